@@ -1,0 +1,376 @@
+//! Battery: open-circuit voltage, series resistance, one RC branch, state of charge.
+
+mod open_circuit;
+mod rc;
+
+pub use open_circuit::OpenCircuit;
+pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchState};
+
+use crate::error::{ParamError, check, limit, positive, ratio};
+use crate::model::{Dt, impl_model};
+use crate::num::{Accum, Real, clamp, min, sane};
+use crate::port::Source;
+
+/// A battery within this of 0 or 1 counts as depleted or full.
+pub const SOC_MARGIN: Real = 1e-6;
+
+/// What is known about a battery (a cell, or a pack as one).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct BatteryParams {
+    /// Open-circuit voltage over the state of charge.
+    pub open_circuit: OpenCircuit,
+    /// Charge between SOC 0 and 1 \[A·h\], above zero.
+    pub capacity_ah: Real,
+    /// Series resistance \[Ω\], above zero.
+    pub series_resistance_ohm: Real,
+    /// The RC branch.
+    pub polarisation: RcBranchParams,
+    /// Largest discharge current \[A\], above zero; infinity for none.
+    pub discharge_limit_a: Real,
+    /// Largest charge current \[A\], above zero; infinity for none.
+    pub charge_limit_a: Real,
+}
+
+/// A battery, discretised for one step.
+///
+/// With discharge current positive (EPowertrain 2025, eq. 3.6 to 3.9, errata applied):
+/// `dSOC/dt = −I/(3600·Q)`, `C·dV_rc/dt = I − V_rc/R_p`, `V = V_oc(SOC) − R_s·I − V_rc`.
+/// The open-circuit voltage is taken at the old SOC, the rest implicitly, so within one step the
+/// battery is a [`Source`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Battery {
+    pub(crate) open_circuit: OpenCircuit,
+    pub(crate) rc: RcBranch,
+    pub(crate) series_resistance_ohm: Real,
+    source_resistance_ohm: Real,
+    soc_per_a: Real,
+    a_per_soc: Real,
+    capacity_c: Real,
+    discharge_limit_a: Real,
+    charge_limit_a: Real,
+}
+
+/// The state of a [`Battery`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BatteryState {
+    /// State of charge, 0..1.
+    pub soc: Accum,
+    /// The RC branch.
+    pub rc: RcBranchState,
+}
+
+impl BatteryState {
+    /// A rested battery at `soc`.
+    ///
+    /// # Errors
+    /// [`ParamError::NotARatio`] outside 0..1.
+    pub const fn rested(soc: Real) -> Result<Self, ParamError> {
+        let soc = check!(ratio("soc", soc));
+        Ok(Self { soc: Accum::new(soc), rc: RcBranchState { voltage_v: Accum::new(0.0) } })
+    }
+}
+
+/// The current imposed on a [`Battery`] that steps on its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BatteryInput {
+    /// Current \[A\], positive when discharging.
+    pub current_a: Real,
+}
+
+/// What one step of a [`Battery`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BatteryOutput {
+    /// State of charge, 0..1.
+    pub soc: Real,
+    /// Voltage at the terminals \[V\].
+    pub terminal_v: Real,
+    /// Open-circuit voltage over the step \[V\].
+    pub open_circuit_v: Real,
+    /// The current that flowed \[A\], positive when discharging.
+    pub current_a: Real,
+    /// Charge of this step that the limits or the state of charge refused \[C\]; positive where
+    /// discharge was refused, negative where charge was.
+    pub refused_charge_c: Real,
+    /// Heat in both resistances \[W\], never negative.
+    pub heat_w: Real,
+    /// Energy stored above SOC 0, at the open-circuit voltage, and in the RC branch \[J\].
+    pub stored_energy_j: Real,
+    /// Nothing is left to discharge.
+    pub depleted: bool,
+    /// Nothing more can be charged.
+    pub full: bool,
+    /// The input was not finite or absurd; the state is unchanged.
+    pub rejected: bool,
+}
+
+/// The currents that a battery allows over the next step \[A\], both ≥ 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurrentLimits {
+    /// Largest discharge current: the parameter, or what the remaining charge feeds for one step.
+    pub discharge_a: Real,
+    /// Largest charge current, likewise.
+    pub charge_a: Real,
+}
+
+impl Battery {
+    /// Checks `params` and discretises them for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: BatteryParams, dt: Dt) -> Result<Self, ParamError> {
+        let rc = check!(RcBranch::new(params.polarisation, dt));
+        let capacity_c = 3600.0 * check!(positive("battery.capacity_ah", params.capacity_ah));
+        let series_resistance_ohm =
+            check!(positive("battery.series_resistance_ohm", params.series_resistance_ohm));
+        Ok(Self {
+            open_circuit: check!(params.open_circuit.checked()),
+            series_resistance_ohm,
+            source_resistance_ohm: series_resistance_ohm + rc.implicit_ohm(),
+            rc,
+            soc_per_a: dt.s() / capacity_c,
+            a_per_soc: capacity_c / dt.s(),
+            capacity_c,
+            discharge_limit_a: check!(limit(
+                "battery.discharge_limit_a",
+                params.discharge_limit_a
+            )),
+            charge_limit_a: check!(limit("battery.charge_limit_a", params.charge_limit_a)),
+        })
+    }
+
+    /// What the terminals offer over the next step, and the open-circuit voltage in it \[V\].
+    #[inline]
+    #[must_use]
+    pub fn offer(&self, state: &BatteryState) -> (Source, Real) {
+        let open_circuit_v = self.open_circuit.at(state.soc.get());
+        let emf_v = open_circuit_v - self.rc.offer_v(&state.rc);
+        (Source { emf_v, resistance_ohm: self.source_resistance_ohm }, open_circuit_v)
+    }
+
+    /// The currents that the battery allows over the next step.
+    #[inline]
+    #[must_use]
+    pub const fn limits(&self, state: &BatteryState) -> CurrentLimits {
+        let soc = state.soc.get();
+        CurrentLimits {
+            discharge_a: min(self.discharge_limit_a, soc * self.a_per_soc),
+            charge_a: min(self.charge_limit_a, (1.0 - soc) * self.a_per_soc),
+        }
+    }
+
+    /// Books one step under `current_a`, which the limits allow.
+    #[inline]
+    pub const fn settle(&self, state: &mut BatteryState, current_a: Real) {
+        state.rc.voltage_v.add(self.rc.increment_v(&state.rc, current_a));
+        state.soc.add(-(current_a * self.soc_per_a));
+        // Only the last bit can lie outside: the limits saw to the rest.
+        if state.soc.get() < 0.0 {
+            state.soc = Accum::new(0.0);
+        } else if state.soc.get() > 1.0 {
+            state.soc = Accum::new(1.0);
+        }
+    }
+
+    /// Energy stored above SOC 0 at the open-circuit voltage, and in the RC branch \[J\].
+    #[must_use]
+    pub fn stored_energy_j(&self, state: &BatteryState) -> Real {
+        let rc_v = state.rc.voltage_v.get();
+        self.capacity_c * self.open_circuit.integral(0.0, state.soc.get())
+            + 0.5 * self.rc.capacitance_f * rc_v * rc_v
+    }
+
+    /// The drop of the electrochemical energy between two states \[J\], precise where they are
+    /// close.
+    #[must_use]
+    pub fn discharged_energy_j(&self, from: &BatteryState, to: &BatteryState) -> Real {
+        let (a, b) = (from.soc.get(), to.soc.get());
+        if a == b {
+            return 0.0;
+        }
+        let mean_v = self.open_circuit.integral(b, a) / (a - b);
+        self.capacity_c * mean_v * from.soc.since(to.soc)
+    }
+
+    /// Whether `soc` is as good as 0.
+    #[inline]
+    #[must_use]
+    pub const fn is_depleted(state: &BatteryState) -> bool {
+        state.soc.get() <= SOC_MARGIN
+    }
+
+    /// Whether `soc` is as good as 1.
+    #[inline]
+    #[must_use]
+    pub const fn is_full(state: &BatteryState) -> bool {
+        state.soc.get() >= 1.0 - SOC_MARGIN
+    }
+
+    /// Advances by one step under an imposed current. What the limits or the state of charge do
+    /// not allow is refused and reported.
+    #[inline]
+    pub fn step(&self, state: &mut BatteryState, input: BatteryInput) -> BatteryOutput {
+        let rejected = !sane(input.current_a);
+        let (source, open_circuit_v) = self.offer(state);
+        let limits = self.limits(state);
+        let wanted_a = if rejected { 0.0 } else { input.current_a };
+        let current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
+        if !rejected {
+            self.settle(state, current_a);
+        }
+        let rc_v = state.rc.voltage_v.get();
+        BatteryOutput {
+            soc: state.soc.get(),
+            terminal_v: source.voltage_v(current_a),
+            open_circuit_v,
+            current_a,
+            refused_charge_c: (wanted_a - current_a) * self.soc_per_a * self.capacity_c,
+            heat_w: self.series_resistance_ohm * current_a * current_a
+                + rc_v * rc_v * self.rc.conductance_s,
+            stored_energy_j: self.stored_energy_j(state),
+            depleted: Self::is_depleted(state),
+            full: Self::is_full(state),
+            rejected,
+        }
+    }
+}
+
+impl_model!(Battery, BatteryState, BatteryInput, BatteryOutput);
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const PARAMS: BatteryParams = BatteryParams {
+        open_circuit: OpenCircuit::Linear { empty_v: 300.0, full_v: 400.0 },
+        capacity_ah: 2.0,
+        series_resistance_ohm: 0.1,
+        polarisation: RcBranchParams { resistance_ohm: 0.05, capacitance_f: 200.0 },
+        discharge_limit_a: 100.0,
+        charge_limit_a: 50.0,
+    };
+
+    fn battery(dt_s: Real) -> Battery {
+        Battery::new(PARAMS, Dt::from_s(dt_s).unwrap()).unwrap()
+    }
+
+    fn load(current_a: Real) -> BatteryInput {
+        BatteryInput { current_a }
+    }
+
+    #[test]
+    fn counts_charge_and_drops_voltage() {
+        let (b, mut s) = (battery(0.001), BatteryState::rested(0.8).unwrap());
+        let mut out = b.step(&mut s, load(20.0));
+        for _ in 1..36_000 {
+            out = b.step(&mut s, load(20.0));
+        }
+        // 20 A for 36 s = 0.2 Ah of 2 Ah; the branch (τ = 10 s) has settled to 97 %.
+        assert!((out.soc - 0.7).abs() < 1e-6, "{}", out.soc);
+        let rc_v = 1.0 - Real::from(-3.6_f32).exp();
+        assert!((out.terminal_v - (370.0 - 2.0 - rc_v)).abs() < 2e-3, "{}", out.terminal_v);
+        assert!((out.heat_w - (40.0 + rc_v * rc_v / 0.05)).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_small_current_on_a_large_pack_still_counts() {
+        let p = BatteryParams { capacity_ah: 100.0, ..PARAMS };
+        let b = Battery::new(p, Dt::from_s(0.001).unwrap()).unwrap();
+        let mut s = BatteryState::rested(0.9).unwrap();
+        for _ in 0..1_000_000 {
+            b.step(&mut s, load(1.0));
+        }
+        assert!((s.soc.get() - (0.9 - 1000.0 / 360_000.0)).abs() < 2e-7);
+    }
+
+    #[test]
+    fn stops_at_empty_and_full_and_says_what_it_refused() {
+        for (soc, current, end) in [(0.001, 60.0, 0.0), (0.999, -40.0, 1.0)] {
+            let (b, mut s) = (battery(0.01), BatteryState::rested(soc).unwrap());
+            let (mut flowed, mut refused) = (0.0, 0.0);
+            for _ in 0..10_000 {
+                let out = b.step(&mut s, load(current));
+                flowed += f64::from(out.current_a) * 0.01;
+                refused += f64::from(out.refused_charge_c);
+                assert!((0.0..=1.0).contains(&out.soc));
+            }
+            let out = b.step(&mut s, load(current));
+            assert!((f64::from(out.soc) - end).abs() < 1e-6);
+            assert_eq!((out.depleted, out.full), (end == 0.0, end == 1.0));
+            let asked = f64::from(current) * 100.0;
+            assert!((flowed + refused - asked).abs() < 1e-4 * asked.abs(), "{flowed} {refused}");
+            assert!((flowed.abs() - 7.2).abs() < 0.01, "{flowed}");
+            // and the other way is open
+            assert!(b.step(&mut s, load(-current / 10.0)).current_a != 0.0);
+        }
+    }
+
+    #[test]
+    fn limits_the_current() {
+        let (b, mut s) = (battery(0.01), BatteryState::rested(0.5).unwrap());
+        assert_eq!(b.step(&mut s, load(500.0)).current_a, 100.0);
+        let out = b.step(&mut s, load(-500.0));
+        assert_eq!(out.current_a, -50.0);
+        assert!((out.refused_charge_c + 4.5).abs() < 1e-3, "{}", out.refused_charge_c);
+    }
+
+    #[test]
+    fn stored_energy_falls_by_what_leaves_at_the_open_circuit_voltage() {
+        let (b, mut s) = (battery(1.0), BatteryState::rested(0.8).unwrap());
+        let before = s;
+        let first = b.step(&mut s, load(10.0));
+        let mut left = first.open_circuit_v * 10.0;
+        for _ in 1..100 {
+            left += b.step(&mut s, load(10.0)).open_circuit_v * 10.0;
+        }
+        let dropped = b.discharged_energy_j(&before, &s);
+        assert!((dropped / left - 1.0).abs() < 1e-4, "{dropped} {left}");
+        assert_eq!(b.discharged_energy_j(&s, &s), 0.0);
+        // Full at 400 V down to 300 V: 350 V on average.
+        assert!((first.stored_energy_j / (7200.0 * 0.8 * 340.0) - 1.0).abs() < 2e-3);
+    }
+
+    #[test]
+    fn bad_input_changes_nothing() {
+        let (b, mut s) = (battery(1.0), BatteryState::rested(0.5).unwrap());
+        let before = s;
+        for bad in [Real::NAN, Real::INFINITY, -1e38] {
+            let out = b.step(&mut s, load(bad));
+            assert!(out.rejected && out.terminal_v.is_finite() && s == before);
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| Battery::new(p, Dt::from_s(0.001).unwrap()).unwrap_err();
+        for bad in [0.0, -1.0, Real::NAN] {
+            assert_eq!(
+                refused(BatteryParams { capacity_ah: bad, ..PARAMS }),
+                ParamError::NotPositive("battery.capacity_ah")
+            );
+            assert_eq!(
+                refused(BatteryParams { series_resistance_ohm: bad, ..PARAMS }),
+                ParamError::NotPositive("battery.series_resistance_ohm")
+            );
+            assert_eq!(
+                refused(BatteryParams { discharge_limit_a: bad, ..PARAMS }),
+                ParamError::NotALimit("battery.discharge_limit_a")
+            );
+            assert_eq!(
+                refused(BatteryParams { charge_limit_a: bad, ..PARAMS }),
+                ParamError::NotALimit("battery.charge_limit_a")
+            );
+        }
+        for bad in [-0.1, 1.1, Real::NAN] {
+            assert_eq!(BatteryState::rested(bad), Err(ParamError::NotARatio("soc")));
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The open-circuit voltage over the state of charge.
+
+use crate::error::{ParamError, check, finite};
+use crate::num::{Real, SocTable};
+
+/// Open-circuit voltage over the state of charge, never falling as the charge rises.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase", deny_unknown_fields))]
+#[expect(clippy::large_enum_variant, reason = "no allocation: the table lives in flash")]
+pub enum OpenCircuit {
+    /// `V_oc = empty_v + (full_v − empty_v)·SOC` (EPowertrain 2025, eq. 3.8).
+    Linear {
+        /// Voltage at SOC 0 \[V\].
+        empty_v: Real,
+        /// Voltage at SOC 1 \[V\], not below `empty_v`.
+        full_v: Real,
+    },
+    /// Measured points on an even grid.
+    Table(SocTable),
+}
+
+impl OpenCircuit {
+    pub(crate) const fn checked(self) -> Result<Self, ParamError> {
+        match &self {
+            Self::Linear { empty_v, full_v } => {
+                check!(finite("battery.open_circuit.linear.empty_v", *empty_v));
+                check!(finite("battery.open_circuit.linear.full_v", *full_v));
+                if *full_v < *empty_v {
+                    return Err(ParamError::Decreasing("battery.open_circuit.linear.full_v"));
+                }
+            }
+            Self::Table(table) => {
+                if !table.is_monotone() {
+                    return Err(ParamError::Decreasing("battery.open_circuit.table"));
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// The voltage at `soc` \[V\].
+    #[inline]
+    #[must_use]
+    pub fn at(&self, soc: Real) -> Real {
+        match self {
+            Self::Linear { empty_v, full_v } => empty_v + (full_v - empty_v) * soc,
+            Self::Table(table) => table.at(soc),
+        }
+    }
+
+    /// The integral of the voltage from one state of charge to another \[V\].
+    #[must_use]
+    pub fn integral(&self, from: Real, to: Real) -> Real {
+        match self {
+            Self::Linear { empty_v, full_v } => {
+                (to - from) * (empty_v + (full_v - empty_v) * 0.5 * (from + to))
+            }
+            Self::Table(table) => table.integral(from, to),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINE: OpenCircuit = OpenCircuit::Linear { empty_v: 300.0, full_v: 400.0 };
+
+    #[test]
+    fn a_line_and_its_table_agree() {
+        let table = OpenCircuit::Table(
+            SocTable::from_points("t", &[(0.0, 300.0), (1.0, 400.0)]).unwrap(),
+        );
+        for i in 0..=100 {
+            let soc = i as Real / 100.0;
+            assert!((LINE.at(soc) - table.at(soc)).abs() < 1e-3);
+            assert!((LINE.integral(0.3, soc) - table.integral(0.3, soc)).abs() < 1e-3);
+        }
+        assert!((LINE.integral(0.0, 1.0) - 350.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn refuses_a_falling_curve() {
+        let line = OpenCircuit::Linear { empty_v: 400.0, full_v: 300.0 };
+        assert_eq!(
+            line.checked(),
+            Err(ParamError::Decreasing("battery.open_circuit.linear.full_v"))
+        );
+        let table = SocTable::from_points("t", &[(0.0, 2.0), (1.0, 1.0)]).unwrap();
+        assert_eq!(
+            OpenCircuit::Table(table).checked(),
+            Err(ParamError::Decreasing("battery.open_circuit.table"))
+        );
+        for (empty_v, full_v, field) in [
+            (Real::NAN, 1.0, "battery.open_circuit.linear.empty_v"),
+            (1.0, Real::INFINITY, "battery.open_circuit.linear.full_v"),
+        ] {
+            let line = OpenCircuit::Linear { empty_v, full_v };
+            assert_eq!(line.checked(), Err(ParamError::NotFinite(field)));
+        }
+    }
+}

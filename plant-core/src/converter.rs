@@ -1,0 +1,244 @@
+//! Averaged four-quadrant converter.
+
+use crate::error::{ParamError, check, limit, not_negative};
+use crate::model::impl_model;
+use crate::num::{Real, clamp, sane};
+use crate::port::Source;
+
+/// Below this current the voltage drop fades to zero \[A\], so that it has a slope at zero.
+pub const DROP_FADE_A: Real = 0.1;
+
+/// What is known about a converter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct ConverterParams {
+    /// Largest magnitude of the duty, above zero; infinity for none.
+    pub duty_limit: Real,
+    /// Loss that does not depend on the load \[W\], ≥ 0, drawn at the input.
+    pub constant_loss_w: Real,
+    /// Voltage drop against the output current \[V\], ≥ 0.
+    pub voltage_drop_v: Real,
+    /// Resistance in the output \[Ω\], ≥ 0.
+    pub resistance_ohm: Real,
+}
+
+impl Default for ConverterParams {
+    /// Without losses, duty within −1..1.
+    fn default() -> Self {
+        Self::IDEAL
+    }
+}
+
+impl ConverterParams {
+    /// Without losses, duty within −1..1.
+    pub const IDEAL: Self =
+        Self { duty_limit: 1.0, constant_loss_w: 0.0, voltage_drop_v: 0.0, resistance_ohm: 0.0 };
+}
+
+/// A converter that scales voltage by its duty and conserves power.
+///
+/// `V_out = D·V_in − losses`, `I_in = D·I_out` (EPowertrain 2025, eq. 3.4 and 4.2). The sign flip
+/// of the input current at `D < 0` (eq. 4.3) is an error of the print: it creates energy.
+/// Four quadrants: with `0 < D·V_in < Ke·ω` the current reverses and energy flows back.
+///
+/// It has no state of its own and no time in it, so it takes no `Dt`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Converter {
+    params: ConverterParams,
+}
+
+/// What drives a [`Converter`] that steps on its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConverterInput {
+    /// Commanded duty; held within the limit.
+    pub duty: Real,
+    /// Voltage at the input \[V\].
+    pub input_v: Real,
+    /// Current out of the output \[A\].
+    pub output_a: Real,
+}
+
+/// What a [`Converter`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ConverterOutput {
+    /// The duty applied.
+    pub duty: Real,
+    /// Voltage at the output \[V\].
+    pub output_v: Real,
+    /// Current into the input \[A\].
+    pub input_a: Real,
+    /// Power lost \[W\], never negative.
+    pub loss_w: Real,
+    /// An input was not finite or absurd: it delivers nothing.
+    pub rejected: bool,
+}
+
+impl Converter {
+    /// Checks `params`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: ConverterParams) -> Result<Self, ParamError> {
+        check!(limit("converter.duty_limit", params.duty_limit));
+        check!(not_negative("converter.constant_loss_w", params.constant_loss_w));
+        check!(not_negative("converter.voltage_drop_v", params.voltage_drop_v));
+        check!(not_negative("converter.resistance_ohm", params.resistance_ohm));
+        Ok(Self { params })
+    }
+
+    /// The duty that the limit allows.
+    #[inline]
+    #[must_use]
+    pub const fn allowed_duty(&self, duty: Real) -> Real {
+        clamp(duty, -self.params.duty_limit, self.params.duty_limit)
+    }
+
+    /// The converter's own series resistance at `output_a` \[Ω\]: the voltage drop enters as the
+    /// chord `V_d/(|i| + i_ε)`.
+    #[inline]
+    #[must_use]
+    pub const fn series_ohm(&self, output_a: Real) -> Real {
+        if self.params.voltage_drop_v > 0.0 {
+            self.params.resistance_ohm
+                + self.params.voltage_drop_v / (output_a.abs() + DROP_FADE_A)
+        } else {
+            self.params.resistance_ohm
+        }
+    }
+
+    /// The constant loss as a shunt at the input \[S\]: `P_0/V²`; none without voltage.
+    #[inline]
+    #[must_use]
+    pub const fn shunt_s(&self, input_v: Real) -> Real {
+        if self.params.constant_loss_w > 0.0 && input_v > 1.0 {
+            self.params.constant_loss_w / (input_v * input_v)
+        } else {
+            0.0
+        }
+    }
+
+    /// A source as seen through `duty`: `D·emf` behind `D²·R` and the converter's own resistance.
+    #[inline]
+    #[must_use]
+    pub const fn seen_through(source: Source, duty: Real, series_ohm: Real) -> Source {
+        Source {
+            emf_v: duty * source.emf_v,
+            resistance_ohm: duty * duty * source.resistance_ohm + series_ohm,
+        }
+    }
+
+    /// One instant of the converter on its own.
+    #[inline]
+    #[must_use]
+    pub fn step(&self, _state: &mut (), input: ConverterInput) -> ConverterOutput {
+        let ConverterInput { duty, input_v, output_a } = input;
+        if !sane(duty) || !sane(input_v) || !sane(output_a) {
+            let (duty, output_v, input_a, loss_w) = (0.0, 0.0, 0.0, 0.0);
+            return ConverterOutput { duty, output_v, input_a, loss_w, rejected: true };
+        }
+        let duty = self.allowed_duty(duty);
+        let series_ohm = self.series_ohm(output_a);
+        let shunt_a = self.shunt_s(input_v) * input_v;
+        ConverterOutput {
+            duty,
+            output_v: duty * input_v - series_ohm * output_a,
+            input_a: duty * output_a + shunt_a,
+            loss_w: series_ohm * output_a * output_a + shunt_a * input_v,
+            rejected: false,
+        }
+    }
+}
+
+impl_model!(Converter, (), ConverterInput, ConverterOutput);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOSSY: ConverterParams = ConverterParams {
+        duty_limit: 0.95,
+        constant_loss_w: 50.0,
+        voltage_drop_v: 1.2,
+        resistance_ohm: 0.01,
+    };
+
+    fn at(params: ConverterParams, duty: Real, input_v: Real, output_a: Real) -> ConverterOutput {
+        let input = ConverterInput { duty, input_v, output_a };
+        Converter::new(params).unwrap().step(&mut (), input)
+    }
+
+    #[test]
+    fn conserves_power_in_all_four_quadrants() {
+        for params in [ConverterParams::IDEAL, LOSSY] {
+            for duty in [-0.7, -0.1, 0.0, 0.4, 0.9] {
+                for i in [-80.0, -1.0, 0.0, 3.0, 200.0] {
+                    let out = at(params, duty, 400.0, i);
+                    let balance = 400.0 * out.input_a - out.output_v * i - out.loss_w;
+                    assert!(balance.abs() < 0.02, "{duty} {i}: {balance}");
+                    assert!(out.loss_w >= 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn plug_braking_draws_from_the_battery() {
+        // D < 0 with a forward current: the print's sign flip would book this as charging.
+        assert_eq!(at(ConverterParams::IDEAL, -0.5, 400.0, -20.0).input_a, 10.0);
+        assert_eq!(at(ConverterParams::IDEAL, -0.5, 400.0, 20.0).input_a, -10.0);
+    }
+
+    #[test]
+    fn losses_are_those_of_the_parameters() {
+        let out = at(LOSSY, 0.5, 400.0, 100.0);
+        // 50 W + 1.2 V·100 A·(100/100.1) + 0.01 Ω·(100 A)²
+        assert!((out.loss_w - (50.0 + 119.88 + 100.0)).abs() < 0.01, "{}", out.loss_w);
+        assert_eq!(at(ConverterParams::IDEAL, 0.5, 400.0, 100.0).loss_w, 0.0);
+    }
+
+    #[test]
+    fn holds_the_duty_within_its_limit() {
+        assert_eq!(at(LOSSY, 3.0, 400.0, 0.0).duty, 0.95);
+        assert_eq!(at(LOSSY, -3.0, 400.0, 0.0).duty, -0.95);
+        let unlimited = ConverterParams { duty_limit: Real::INFINITY, ..ConverterParams::IDEAL };
+        assert_eq!(at(unlimited, 3.0, 400.0, 0.0).output_v, 1200.0);
+    }
+
+    #[test]
+    fn bad_input_delivers_nothing() {
+        for (d, v, i) in [(Real::NAN, 400.0, 1.0), (0.5, 1e38, 1.0), (0.5, 400.0, -Real::INFINITY)]
+        {
+            let out = at(LOSSY, d, v, i);
+            assert!(out.rejected && out.output_v == 0.0 && out.input_a == 0.0);
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| Converter::new(p).unwrap_err();
+        assert_eq!(
+            refused(ConverterParams { duty_limit: 0.0, ..LOSSY }),
+            ParamError::NotALimit("converter.duty_limit")
+        );
+        for bad in [-1.0, Real::NAN, Real::INFINITY] {
+            assert_eq!(
+                refused(ConverterParams { constant_loss_w: bad, ..LOSSY }),
+                ParamError::Negative("converter.constant_loss_w")
+            );
+            assert_eq!(
+                refused(ConverterParams { voltage_drop_v: bad, ..LOSSY }),
+                ParamError::Negative("converter.voltage_drop_v")
+            );
+            assert_eq!(
+                refused(ConverterParams { resistance_ohm: bad, ..LOSSY }),
+                ParamError::Negative("converter.resistance_ohm")
+            );
+        }
+    }
+}

@@ -1,0 +1,386 @@
+//! DC motor: winding, back-EMF, rotor.
+
+use crate::error::{ParamError, check, not_negative, positive};
+use crate::model::{Dt, impl_model};
+use crate::num::{Accum, Real, sane};
+use crate::port::{Slip, Source, TorqueLaw, project};
+
+/// What is known about a DC motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct DcMotorParams {
+    /// Winding resistance \[Ω\], above zero.
+    pub resistance_ohm: Real,
+    /// Winding inductance \[H\], above zero.
+    pub inductance_h: Real,
+    /// Back-EMF constant Ke \[V·s/rad\], above zero.
+    pub back_emf_v_s_per_rad: Real,
+    /// Torque constant Kt \[N·m/A\], above zero. Equal to Ke in a machine without iron losses;
+    /// above Ke it creates energy (the ledger's `conversion` term).
+    pub torque_nm_per_a: Real,
+    /// Rotor inertia \[kg·m²\], above zero.
+    pub inertia_kg_m2: Real,
+    /// Viscous friction \[N·m·s/rad\], ≥ 0.
+    pub viscous_nm_s_per_rad: Real,
+    /// Coulomb (static) friction \[N·m\], ≥ 0.
+    pub coulomb_nm: Real,
+}
+
+/// A DC motor, discretised for one step.
+///
+/// `V = R·i + L·di/dt + Ke·ω` (EPowertrain 2025, eq. 3.2) and
+/// `J·dω/dt = Kt·i − T_load − b·ω − T_c·sgn(ω)` (eq. 3.3, with the static torque that the print
+/// leaves out). Current and speed are solved together, implicitly; the Coulomb torque is
+/// set-valued, so standstill is exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DcMotor {
+    pub(crate) resistance_ohm: Real,
+    pub(crate) inductance_h: Real,
+    pub(crate) inductance_per_h_ohm: Real,
+    pub(crate) back_emf_v_s_per_rad: Real,
+    pub(crate) torque_nm_per_a: Real,
+    pub(crate) inertia_kg_m2: Real,
+    pub(crate) viscous_nm_s_per_rad: Real,
+    pub(crate) coulomb_nm: Real,
+    coast_slope: Real,
+    torque_emf: Real,
+}
+
+/// The state of a [`DcMotor`]; at rest by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DcMotorState {
+    /// Winding current \[A\].
+    pub current_a: Accum,
+    /// Rotor speed \[rad/s\].
+    pub speed_rad_s: Accum,
+}
+
+/// What drives a [`DcMotor`] with a free shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DcMotorInput {
+    /// Voltage at the winding's terminals \[V\].
+    pub voltage_v: Real,
+    /// Torque that the load takes from the shaft \[N·m\].
+    pub load_nm: Real,
+}
+
+/// What drives a [`DcMotor`] on an imposed speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DcMotorSpeedInput {
+    /// Voltage at the winding's terminals \[V\].
+    pub voltage_v: Real,
+    /// Rotor speed at the end of the step \[rad/s\].
+    pub speed_rad_s: Real,
+}
+
+/// What one step of a [`DcMotor`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DcMotorOutput {
+    /// Winding current \[A\].
+    pub current_a: Real,
+    /// Rotor speed \[rad/s\].
+    pub speed_rad_s: Real,
+    /// Air-gap torque Kt·i \[N·m\].
+    pub torque_nm: Real,
+    /// Torque left at the shaft \[N·m\]: air gap less friction and inertia.
+    pub shaft_nm: Real,
+    /// Back-EMF Ke·ω \[V\].
+    pub back_emf_v: Real,
+    /// Heat in the winding \[W\], never negative.
+    pub copper_w: Real,
+    /// Heat by viscous and Coulomb friction \[W\], never negative.
+    pub friction_w: Real,
+    /// An input was not finite or absurd; the state is unchanged.
+    pub rejected: bool,
+}
+
+/// The winding within one step: `Δi = free_a − back_emf_s·Δω`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Winding {
+    /// Current increment if the speed stayed as it is \[A\].
+    pub free_a: Real,
+    /// How much a speed increment lowers it \[A·s/rad\].
+    pub per_speed_a_s: Real,
+}
+
+impl Winding {
+    /// The current increment for the speed increment that the step found \[A\].
+    #[inline]
+    #[must_use]
+    pub const fn increment_a(self, speed_increment_rad_s: Real) -> Real {
+        self.free_a - self.per_speed_a_s * speed_increment_rad_s
+    }
+}
+
+impl DcMotor {
+    /// Checks `params` and discretises them for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: DcMotorParams, dt: Dt) -> Result<Self, ParamError> {
+        let inductance_h = check!(positive("motor.inductance_h", params.inductance_h));
+        let ke = check!(positive("motor.back_emf_v_s_per_rad", params.back_emf_v_s_per_rad));
+        let kt = check!(positive("motor.torque_nm_per_a", params.torque_nm_per_a));
+        let j = check!(positive("motor.inertia_kg_m2", params.inertia_kg_m2));
+        let b = check!(not_negative("motor.viscous_nm_s_per_rad", params.viscous_nm_s_per_rad));
+        Ok(Self {
+            resistance_ohm: check!(positive("motor.resistance_ohm", params.resistance_ohm)),
+            inductance_h,
+            inductance_per_h_ohm: inductance_h / dt.s(),
+            back_emf_v_s_per_rad: ke,
+            torque_nm_per_a: kt,
+            inertia_kg_m2: j,
+            viscous_nm_s_per_rad: b,
+            coulomb_nm: check!(not_negative("motor.coulomb_nm", params.coulomb_nm)),
+            coast_slope: b + j / dt.s(),
+            torque_emf: kt * ke,
+        })
+    }
+
+    /// The shaft of a motor whose winding carries no torque: rotor and friction alone.
+    #[inline]
+    #[must_use]
+    pub const fn coast_law(&self, current_a: Real, speed_rad_s: Real) -> TorqueLaw {
+        TorqueLaw {
+            torque_nm: -self.viscous_nm_s_per_rad * speed_rad_s,
+            slope_nm_s_per_rad: self.coast_slope,
+            friction_nm: self.coulomb_nm,
+            carried_nm: self.torque_nm_per_a * current_a,
+        }
+    }
+
+    /// What the shaft offers over one step on `source`, the winding eliminated, and the winding
+    /// to settle once the speed increment is known.
+    #[inline]
+    #[must_use]
+    pub const fn law(
+        &self,
+        source: Source,
+        current_a: Real,
+        speed_rad_s: Real,
+    ) -> (TorqueLaw, Winding) {
+        let resistance_ohm = self.resistance_ohm + source.resistance_ohm;
+        let admittance_s = 1.0 / (self.inductance_per_h_ohm + resistance_ohm);
+        let drive_v =
+            source.emf_v - resistance_ohm * current_a - self.back_emf_v_s_per_rad * speed_rad_s;
+        let free_a = admittance_s * drive_v;
+        let coast = self.coast_law(current_a, speed_rad_s);
+        let law = TorqueLaw {
+            torque_nm: coast.torque_nm + coast.carried_nm + self.torque_nm_per_a * free_a,
+            slope_nm_s_per_rad: coast.slope_nm_s_per_rad + self.torque_emf * admittance_s,
+            ..coast
+        };
+        (law, Winding { free_a, per_speed_a_s: self.back_emf_v_s_per_rad * admittance_s })
+    }
+
+    /// Advances by one step with a free shaft under a load torque.
+    #[inline]
+    pub fn step(&self, state: &mut DcMotorState, input: DcMotorInput) -> DcMotorOutput {
+        let (i, w) = (state.current_a.get(), state.speed_rad_s.get());
+        let (law, winding) = self.law(Source::stiff(input.voltage_v), i, w);
+        let (dw, slip) = project(
+            w,
+            law.torque_nm - input.load_nm,
+            law.slope_nm_s_per_rad,
+            law.friction_nm,
+        );
+        let valid = sane(input.voltage_v) && sane(input.load_nm);
+        self.settle(state, winding.increment_a(dw), dw, slip, valid)
+    }
+
+    /// Advances by one step while something else imposes the speed.
+    #[inline]
+    pub fn step_at_speed(
+        &self,
+        state: &mut DcMotorState,
+        input: DcMotorSpeedInput,
+    ) -> DcMotorOutput {
+        let (i, w) = (state.current_a.get(), state.speed_rad_s.get());
+        let (_, winding) = self.law(Source::stiff(input.voltage_v), i, w);
+        let dw = input.speed_rad_s - w;
+        let slip = if input.speed_rad_s > 0.0 {
+            Slip::Forward
+        } else if input.speed_rad_s < 0.0 {
+            Slip::Backward
+        } else {
+            Slip::Stuck
+        };
+        let valid = sane(input.voltage_v) && sane(input.speed_rad_s);
+        self.settle(state, winding.increment_a(dw), dw, slip, valid)
+    }
+
+    #[inline]
+    fn settle(
+        &self,
+        state: &mut DcMotorState,
+        di: Real,
+        dw: Real,
+        slip: Slip,
+        valid: bool,
+    ) -> DcMotorOutput {
+        let (i, w) = (state.current_a.get(), state.speed_rad_s.get());
+        let rejected = !(valid && sane(i + di) && sane(w + dw));
+        let dw = if rejected { 0.0 } else { dw };
+        if !rejected {
+            state.current_a.add(di);
+            match slip {
+                Slip::Stuck => state.speed_rad_s = Accum::new(0.0),
+                _ => state.speed_rad_s.add(dw),
+            }
+        }
+        let (current_a, speed_rad_s) = (state.current_a.get(), state.speed_rad_s.get());
+        let torque_nm = self.torque_nm_per_a * current_a;
+        let friction_nm =
+            self.viscous_nm_s_per_rad * speed_rad_s + self.coulomb_nm * slip.sign();
+        let inertia_nm = (self.coast_slope - self.viscous_nm_s_per_rad) * dw;
+        DcMotorOutput {
+            current_a,
+            speed_rad_s,
+            torque_nm,
+            shaft_nm: torque_nm - friction_nm - inertia_nm,
+            back_emf_v: self.back_emf_v_s_per_rad * speed_rad_s,
+            copper_w: self.resistance_ohm * current_a * current_a,
+            friction_w: (friction_nm * speed_rad_s).abs(),
+            rejected,
+        }
+    }
+}
+
+impl_model!(DcMotor, DcMotorState, DcMotorInput, DcMotorOutput);
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::presets::{MOTOR_MOMENTS, MOTOR_PASEK};
+    use std::vec::Vec;
+
+    const RPM_PER_RAD_S: Real = 9.549_297;
+
+    fn motor(params: DcMotorParams, dt_s: Real) -> DcMotor {
+        DcMotor::new(params, Dt::from_s(dt_s).unwrap()).unwrap()
+    }
+
+    /// 60 V until steady, then 248 V: (before, at the peak, time of the peak, after).
+    fn step_response(params: DcMotorParams) -> [DcMotorOutput; 3] {
+        let (m, mut s) = (motor(params, 1e-5), DcMotorState::default());
+        let mut run = |voltage_v, steps| -> Vec<DcMotorOutput> {
+            (0..steps)
+                .map(|_| m.step(&mut s, DcMotorInput { voltage_v, load_nm: 0.0 }))
+                .collect()
+        };
+        let before = *run(60.0, 200_000).last().unwrap();
+        let after = run(248.0, 200_000);
+        let peak = after.iter().copied().max_by(|a, b| a.current_a.total_cmp(&b.current_a));
+        [before, peak.unwrap(), *after.last().unwrap()]
+    }
+
+    fn close(obtained: Real, target: Real, relative: Real) {
+        assert!((obtained / target - 1.0).abs() < relative, "{obtained} against {target}");
+    }
+
+    #[test]
+    fn reproduces_the_measured_step_with_static_torque() {
+        for (params, peak_a) in [(MOTOR_PASEK, 4.674), (MOTOR_MOMENTS, 4.081)] {
+            let [before, peak, after] = step_response(params);
+            close(before.current_a, 0.1129, 0.005);
+            close(after.current_a, 0.1661, 0.005);
+            close(before.speed_rad_s * RPM_PER_RAD_S, 407.9, 0.005);
+            close(after.speed_rad_s * RPM_PER_RAD_S, 1753.0, 0.005);
+            close(peak.current_a, peak_a, 0.01);
+        }
+    }
+
+    #[test]
+    fn reproduces_the_published_step_without_static_torque() {
+        for (params, peak_a) in [(MOTOR_PASEK, 4.578), (MOTOR_MOMENTS, 3.985)] {
+            let [_, peak, after] = step_response(DcMotorParams { coulomb_nm: 0.0, ..params });
+            close(after.speed_rad_s * RPM_PER_RAD_S, 1774.4, 0.005);
+            close(peak.current_a, peak_a, 0.01);
+        }
+    }
+
+    #[test]
+    fn generates_on_an_imposed_speed() {
+        let (m, mut s) = (motor(MOTOR_PASEK, 1e-4), DcMotorState::default());
+        let input = DcMotorSpeedInput { voltage_v: 0.0, speed_rad_s: 100.0 };
+        let mut out = m.step_at_speed(&mut s, input);
+        for _ in 0..10_000 {
+            out = m.step_at_speed(&mut s, input);
+        }
+        close(out.current_a, -132.3 / 30.9, 1e-4);
+        close(out.torque_nm, -1.323 * 132.3 / 30.9, 1e-4);
+        // What turns the shaft pays for friction too.
+        close(out.shaft_nm, out.torque_nm - 0.05 - 0.128, 1e-4);
+        assert_eq!(out.speed_rad_s, 100.0);
+    }
+
+    #[test]
+    fn stands_still_until_the_torque_exceeds_the_static_torque() {
+        let (m, mut s) = (motor(MOTOR_PASEK, 1e-3), DcMotorState::default());
+        for (voltage_v, moves) in [(2.9, false), (3.1, true), (0.0, false), (-3.1, true)] {
+            for _ in 0..20_000 {
+                m.step(&mut s, DcMotorInput { voltage_v, load_nm: 0.0 });
+            }
+            assert_eq!(s.speed_rad_s.get() != 0.0, moves, "{voltage_v}");
+        }
+    }
+
+    #[test]
+    fn power_in_is_heat_friction_and_mechanical_power_at_steady_state() {
+        let (m, mut s) = (motor(MOTOR_PASEK, 1e-3), DcMotorState::default());
+        let input = DcMotorInput { voltage_v: 248.0, load_nm: 0.5 };
+        let mut out = m.step(&mut s, input);
+        for _ in 0..20_000 {
+            out = m.step(&mut s, input);
+        }
+        let power_in = 248.0 * out.current_a;
+        close(out.copper_w + out.friction_w + 0.5 * out.speed_rad_s, power_in, 1e-3);
+        close(out.shaft_nm, 0.5, 1e-3);
+    }
+
+    #[test]
+    fn bad_input_changes_nothing() {
+        let (m, mut s) = (motor(MOTOR_PASEK, 1e-3), DcMotorState::default());
+        m.step(&mut s, DcMotorInput { voltage_v: 60.0, load_nm: 0.0 });
+        let before = s;
+        for bad in [Real::NAN, Real::INFINITY, -1e38] {
+            for (voltage_v, load_nm) in [(bad, 0.0), (60.0, bad)] {
+                assert!(m.step(&mut s, DcMotorInput { voltage_v, load_nm }).rejected);
+            }
+            let input = DcMotorSpeedInput { voltage_v: 0.0, speed_rad_s: bad };
+            assert!(m.step_at_speed(&mut s, input).rejected);
+            assert_eq!(s, before);
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let p = MOTOR_PASEK;
+        let refused = |p| DcMotor::new(p, Dt::from_s(1e-3).unwrap()).unwrap_err();
+        for bad in [-1.0, Real::NAN, Real::INFINITY] {
+            for (params, field) in [
+                (DcMotorParams { resistance_ohm: bad, ..p }, "motor.resistance_ohm"),
+                (DcMotorParams { inductance_h: bad, ..p }, "motor.inductance_h"),
+                (DcMotorParams { back_emf_v_s_per_rad: bad, ..p }, "motor.back_emf_v_s_per_rad"),
+                (DcMotorParams { torque_nm_per_a: bad, ..p }, "motor.torque_nm_per_a"),
+                (DcMotorParams { inertia_kg_m2: bad, ..p }, "motor.inertia_kg_m2"),
+            ] {
+                assert_eq!(refused(params), ParamError::NotPositive(field));
+            }
+            for (params, field) in [
+                (DcMotorParams { viscous_nm_s_per_rad: bad, ..p }, "motor.viscous_nm_s_per_rad"),
+                (DcMotorParams { coulomb_nm: bad, ..p }, "motor.coulomb_nm"),
+            ] {
+                assert_eq!(refused(params), ParamError::Negative(field));
+            }
+        }
+    }
+}

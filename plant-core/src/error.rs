@@ -1,0 +1,200 @@
+//! Why a parameter set is refused.
+
+use crate::num::{LARGEST_PARAM, Real, SMALLEST_PARAM};
+
+/// A parameter that broke a rule: which field (`component.field_unit`), and which rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ParamError {
+    /// Must be finite and between 1e-12 and 1e12.
+    NotPositive(&'static str),
+    /// Must be finite, zero or above, and at most 1e12.
+    Negative(&'static str),
+    /// Must be finite and between −1e12 and 1e12.
+    NotFinite(&'static str),
+    /// Must be above zero; infinity means no limit.
+    NotALimit(&'static str),
+    /// Must lie in 0..1, both included.
+    NotARatio(&'static str),
+    /// Must lie above 0 and up to 1.
+    NotAnEfficiency(&'static str),
+    /// Must lie above the field that limits it from below.
+    NotAbove(&'static str),
+    /// Must have two entries at least, each finite and above the one before.
+    NotIncreasing(&'static str),
+    /// Must have as many entries as the field that it belongs to.
+    LengthsDiffer(&'static str),
+    /// Must not decrease from one entry to the next.
+    Decreasing(&'static str),
+}
+
+impl ParamError {
+    /// The field that broke the rule, as `component.field_unit`.
+    #[must_use]
+    pub const fn field(self) -> &'static str {
+        match self {
+            Self::NotPositive(f)
+            | Self::Negative(f)
+            | Self::NotFinite(f)
+            | Self::NotALimit(f)
+            | Self::NotARatio(f)
+            | Self::NotAnEfficiency(f)
+            | Self::NotAbove(f)
+            | Self::NotIncreasing(f)
+            | Self::LengthsDiffer(f)
+            | Self::Decreasing(f) => f,
+        }
+    }
+
+    /// The rule, as words that follow the field's name.
+    #[must_use]
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::NotPositive(_) => "must be finite and between 1e-12 and 1e12",
+            Self::Negative(_) => "must be finite, zero or above, and at most 1e12",
+            Self::NotFinite(_) => "must be finite and between -1e12 and 1e12",
+            Self::NotALimit(_) => "must be above zero (infinity: no limit)",
+            Self::NotARatio(_) => "must lie in 0..1",
+            Self::NotAnEfficiency(_) => "must lie above 0 and up to 1",
+            Self::NotAbove(_) => "must lie above the field that limits it from below",
+            Self::NotIncreasing(_) => {
+                "must have two entries at least, each finite and above the one before"
+            }
+            Self::LengthsDiffer(_) => "must have as many entries as the field that it belongs to",
+            Self::Decreasing(_) => "must not decrease from one entry to the next",
+        }
+    }
+
+    /// `field rule` in one text, for the compile error of [`must!`](crate::must).
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn text(self) -> ErrorText {
+        let mut text = ErrorText { bytes: [b' '; ErrorText::LENGTH], length: 0 };
+        text.push(self.field());
+        text.push(" ");
+        text.push(self.message());
+        text
+    }
+}
+
+impl core::fmt::Display for ParamError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.field())?;
+        f.write_str(" ")?;
+        f.write_str(self.message())
+    }
+}
+
+impl core::error::Error for ParamError {}
+
+/// A short text that a `const fn` can build.
+#[doc(hidden)]
+#[derive(Clone, Copy)]
+pub struct ErrorText {
+    bytes: [u8; Self::LENGTH],
+    length: usize,
+}
+
+impl ErrorText {
+    const LENGTH: usize = 160;
+
+    const fn push(&mut self, part: &str) {
+        let part = part.as_bytes();
+        let mut i = 0;
+        while i < part.len() && self.length < Self::LENGTH {
+            self.bytes[self.length] = part[i];
+            self.length += 1;
+            i += 1;
+        }
+    }
+
+    /// The text.
+    #[must_use]
+    pub const fn as_str(&self) -> &str {
+        match core::str::from_utf8(self.bytes.split_at(self.length).0) {
+            Ok(text) => text,
+            Err(_) => "bad parameter",
+        }
+    }
+}
+
+/// Takes the value out of a `Result<_, ParamError>` **at compile time**: a bad parameter is a
+/// compile error that names the field and the rule, and no panic reaches the firmware.
+///
+/// ```
+/// use plant_core::{Dt, must};
+/// const DT: Dt = must!(Dt::from_s(0.001));
+/// ```
+/// ```compile_fail
+/// use plant_core::{Dt, must};
+/// const DT: Dt = must!(Dt::from_s(-0.001)); // dt_s must be finite and between 1e-12 and 1e12
+/// ```
+#[macro_export]
+macro_rules! must {
+    ($checked:expr) => {
+        const {
+            match $checked {
+                Ok(value) => value,
+                Err(error) => panic!("{}", error.text().as_str()),
+            }
+        }
+    };
+}
+
+/// `?` for a `const fn`.
+macro_rules! check {
+    ($result:expr) => {
+        match $result {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+pub(crate) use check;
+
+pub(crate) const fn positive(field: &'static str, value: Real) -> Result<Real, ParamError> {
+    if value >= SMALLEST_PARAM && value <= LARGEST_PARAM {
+        Ok(value)
+    } else {
+        Err(ParamError::NotPositive(field))
+    }
+}
+
+pub(crate) const fn not_negative(field: &'static str, value: Real) -> Result<Real, ParamError> {
+    if value >= 0.0 && value <= LARGEST_PARAM {
+        Ok(value)
+    } else {
+        Err(ParamError::Negative(field))
+    }
+}
+
+pub(crate) const fn finite(field: &'static str, value: Real) -> Result<Real, ParamError> {
+    if value >= -LARGEST_PARAM && value <= LARGEST_PARAM {
+        Ok(value)
+    } else {
+        Err(ParamError::NotFinite(field))
+    }
+}
+
+/// A limit: above zero, infinity for none.
+pub(crate) const fn limit(field: &'static str, value: Real) -> Result<Real, ParamError> {
+    if value > 0.0 { Ok(value) } else { Err(ParamError::NotALimit(field)) }
+}
+
+pub(crate) const fn ratio(field: &'static str, value: Real) -> Result<Real, ParamError> {
+    if value >= 0.0 && value <= 1.0 { Ok(value) } else { Err(ParamError::NotARatio(field)) }
+}
+
+pub(crate) const fn efficiency(field: &'static str, value: Real) -> Result<Real, ParamError> {
+    if value > 0.0 && value <= 1.0 { Ok(value) } else { Err(ParamError::NotAnEfficiency(field)) }
+}
+
+/// `value` must lie above `low`.
+pub(crate) const fn above(
+    field: &'static str,
+    value: Real,
+    low: Real,
+) -> Result<Real, ParamError> {
+    if value > low { Ok(value) } else { Err(ParamError::NotAbove(field)) }
+}

@@ -1,0 +1,74 @@
+#![no_std]
+#![forbid(unsafe_code)]
+//! EV powertrain plant models that step in closed form on a microcontroller, in `f32`, bit for bit
+//! as on a PC.
+//!
+//! # Map
+//! | Module | What it models |
+//! |---|---|
+//! | [`model`] | the trait every model shares, and the fixed step [`Dt`] |
+//! | [`num`] | the scalar [`Real`], compensated sums, lookup table, the only calls to `libm` |
+//! | [`error`] | why a parameter set is refused; [`must!`] turns that into a compile error |
+//! | [`battery`] | open-circuit voltage, series resistance, one RC branch, state of charge |
+//! | [`converter`] | averaged four-quadrant converter |
+//! | [`dc_motor`] | winding, back-EMF, rotor |
+//! | [`gearbox`], [`wheel`], [`body`] | from the motor shaft to the road |
+//! | [`rotational`] | a load on a shaft, and the shaft's angle |
+//! | [`slope`] | the road's slope from height and distance |
+//! | [`auxiliary`] | what else draws from the battery |
+//! | [`pid`], [`driver`] | controllers: speed to duty, speed to torque to duty |
+//! | [`sources`], [`sensors`] | inputs over time; what a sensor makes of a value |
+//! | [`port`] | what components say to each other within a step |
+//! | [`powertrain`], [`energy`] | the coupled plant and its energy ledger |
+//! | [`presets`] | parameter sets with their sources |
+//!
+//! # Conventions
+//! - SI units, named in each field: `_a`, `_v`, `_ohm`, `_nm`, `_m_s`, … State of charge and
+//!   efficiency are ratios in 0..1, duty is a ratio in −1..1, angles are in rad.
+//! - Discharge current is positive. Traction torque, traction force and forward speed are
+//!   positive; a positive slope climbs; wind is positive against the vehicle. Losses are ≥ 0.
+//! - Parameters are checked once, in a `const fn new`; after that nothing fails or panics. An
+//!   input that is not finite, or larger than [`num::LARGEST`], leaves the state as it was and is
+//!   reported as `rejected` in the output.
+//! - One step goes from instant n to n + 1. Outputs hold at n + 1.
+//!
+//! # Example
+//! ```
+//! use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorState};
+//! use plant_core::{Dt, must, presets};
+//!
+//! const DT: Dt = must!(Dt::from_s(0.001));
+//! const MOTOR: DcMotor = must!(DcMotor::new(presets::MOTOR_PASEK, DT));
+//!
+//! let mut state = DcMotorState::default();
+//! let mut speed_rad_s = 0.0;
+//! for _ in 0..2000 {
+//!     speed_rad_s = MOTOR.step(&mut state, DcMotorInput { voltage_v: 60.0, load_nm: 0.0 }).speed_rad_s;
+//! }
+//! assert!((speed_rad_s * 60.0 / 6.2832 - 407.9).abs() < 0.5); // rpm
+//! ```
+
+pub mod auxiliary;
+pub mod battery;
+pub mod body;
+pub mod converter;
+pub mod dc_motor;
+pub mod driver;
+pub mod energy;
+pub mod error;
+pub mod gearbox;
+pub mod model;
+pub mod num;
+pub mod pid;
+pub mod port;
+pub mod powertrain;
+pub mod presets;
+pub mod rotational;
+pub mod sensors;
+pub mod slope;
+pub mod sources;
+pub mod wheel;
+
+pub use error::ParamError;
+pub use model::{Dt, Model};
+pub use num::{Accum, Real};

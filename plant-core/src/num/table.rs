@@ -1,0 +1,172 @@
+//! A lookup table over the state of charge.
+
+use super::Real;
+use crate::error::{ParamError, check};
+
+/// Points of a [`SocTable`].
+pub const SOC_POINTS: usize = 65;
+const INTERVALS: usize = SOC_POINTS - 1;
+
+/// A quantity over the state of charge: 65 points, evenly spaced over 0..1, linear in between.
+///
+/// The even grid makes a lookup one multiplication and two loads, with no search. Measured
+/// points go through [`SocTable::from_points`], which reads their own polyline at the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SocTable {
+    values: [Real; SOC_POINTS],
+}
+
+impl SocTable {
+    /// Takes values at `soc = i/64`, i = 0..64.
+    ///
+    /// # Errors
+    /// [`ParamError::NotFinite`] names `field` where a value is not finite.
+    pub const fn new(field: &'static str, values: [Real; SOC_POINTS]) -> Result<Self, ParamError> {
+        let mut i = 0;
+        while i < SOC_POINTS {
+            check!(crate::error::finite(field, values[i]));
+            i += 1;
+        }
+        Ok(Self { values })
+    }
+
+    /// Reads the polyline through `points` (state of charge, value) at the grid; constant beyond
+    /// its ends.
+    ///
+    /// # Errors
+    /// [`ParamError::NotIncreasing`] unless there are two points at least and the state of charge
+    /// rises from each to the next; [`ParamError::NotFinite`] for a bad value.
+    pub const fn from_points(
+        field: &'static str,
+        points: &[(Real, Real)],
+    ) -> Result<Self, ParamError> {
+        if points.len() < 2 || !points[0].0.is_finite() {
+            return Err(ParamError::NotIncreasing(field));
+        }
+        let mut i = 1;
+        while i < points.len() {
+            if !points[i].0.is_finite() || points[i].0 <= points[i - 1].0 {
+                return Err(ParamError::NotIncreasing(field));
+            }
+            i += 1;
+        }
+        let mut values = [0.0; SOC_POINTS];
+        let (mut point, mut i) = (0, 0);
+        while i < SOC_POINTS {
+            #[expect(clippy::cast_precision_loss, reason = "at most 64")]
+            let soc = i as Real / INTERVALS as Real;
+            while point + 2 < points.len() && points[point + 1].0 < soc {
+                point += 1;
+            }
+            let ((x0, y0), (x1, y1)) = (points[point], points[point + 1]);
+            let along = super::clamp((soc - x0) / (x1 - x0), 0.0, 1.0);
+            values[i] = y0 + along * (y1 - y0);
+            i += 1;
+        }
+        Self::new(field, values)
+    }
+
+    /// The value at `soc`; outside 0..1 that of the nearer end.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, soc: Real) -> Real {
+        let (i, along) = Self::find(soc);
+        self.values[i] + along * (self.values[i + 1] - self.values[i])
+    }
+
+    /// The interval that holds `soc`, and how far along it is (0..1).
+    #[inline]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "the value is held in 0..64 first"
+    )]
+    fn find(soc: Real) -> (usize, Real) {
+        let x = super::clamp(soc, 0.0, 1.0) * INTERVALS as Real;
+        let i = (x as usize).min(INTERVALS - 1);
+        (i, x - i as Real)
+    }
+
+    /// The integral of the value from `from` to `to`, in closed form over each interval.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "at most 64")]
+    pub fn integral(&self, from: Real, to: Real) -> Real {
+        if from > to {
+            return -self.integral(to, from);
+        }
+        let ((first, a), (last, b)) = (Self::find(from), Self::find(to));
+        let mut sum = super::Accum::new(0.0);
+        for i in first..=last.min(INTERVALS - 1) {
+            let low = if i == first { a } else { 0.0 };
+            let high = if i == last { b } else { 1.0 };
+            let (left, rise) = (self.values[i], self.values[i + 1] - self.values[i]);
+            sum.add((high - low) * (left + 0.5 * (low + high) * rise));
+        }
+        sum.get() / INTERVALS as Real
+    }
+
+    /// The values at `soc = i/64`.
+    #[must_use]
+    pub const fn values(&self) -> &[Real; SOC_POINTS] {
+        &self.values
+    }
+
+    /// Whether no value is below the one before.
+    #[must_use]
+    pub const fn is_monotone(&self) -> bool {
+        let mut i = 1;
+        while i < SOC_POINTS {
+            if self.values[i] < self.values[i - 1] {
+                return false;
+            }
+            i += 1;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const KNEE: [(Real, Real); 3] = [(0.0, 300.0), (0.25, 350.0), (1.0, 400.0)];
+
+    #[test]
+    fn reads_its_points_and_holds_its_ends() {
+        let t = SocTable::from_points("t", &KNEE).unwrap();
+        for (soc, v) in [(0.0, 300.0), (0.125, 325.0), (0.25, 350.0), (0.625, 375.0), (1.0, 400.0)]
+        {
+            assert!((t.at(soc) - v).abs() < 1e-3, "{soc}: {}", t.at(soc));
+        }
+        assert_eq!((t.at(-1.0), t.at(2.0)), (300.0, 400.0));
+        assert!(t.is_monotone());
+    }
+
+    #[test]
+    fn holds_its_ends_where_the_points_do_not_reach() {
+        let t = SocTable::from_points("t", &[(0.25, 1.0), (0.75, 3.0)]).unwrap();
+        assert_eq!((t.at(0.0), t.at(0.5), t.at(1.0)), (1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn integrates_in_closed_form() {
+        let t = SocTable::from_points("t", &KNEE).unwrap();
+        assert!((t.integral(0.0, 0.25) - 81.25).abs() < 1e-4);
+        assert!((t.integral(0.0, 1.0) - (81.25 + 281.25)).abs() < 1e-3);
+        assert!((t.integral(0.9, 0.3) + t.integral(0.3, 0.9)).abs() < 1e-6);
+        assert!((t.integral(0.301, 0.302) - 0.001 * t.at(0.3015)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn refuses_bad_points() {
+        let bad = |p: &[(Real, Real)]| SocTable::from_points("t", p).unwrap_err();
+        assert_eq!(bad(&[(0.0, 1.0)]), ParamError::NotIncreasing("t"));
+        assert_eq!(bad(&[(0.0, 1.0), (0.0, 2.0)]), ParamError::NotIncreasing("t"));
+        assert_eq!(bad(&[(Real::NAN, 1.0), (1.0, 2.0)]), ParamError::NotIncreasing("t"));
+        assert_eq!(bad(&[(0.0, 1.0), (Real::NAN, 2.0)]), ParamError::NotIncreasing("t"));
+        assert_eq!(bad(&[(0.0, Real::INFINITY), (1.0, 2.0)]), ParamError::NotFinite("t"));
+    }
+}

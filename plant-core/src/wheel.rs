@@ -1,0 +1,180 @@
+//! Wheel: from the axle's torque to a force at the road.
+
+use crate::error::{ParamError, check, not_negative, positive};
+use crate::model::{Dt, impl_model};
+use crate::num::{Real, sane};
+use crate::port::{RoadLaw, TorqueLaw};
+
+/// What is known about the wheels of an axle, taken together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct WheelParams {
+    /// Rolling radius \[m\], above zero.
+    pub radius_m: Real,
+    /// Inertia of all wheels that turn with the road \[kg·m²\], ≥ 0.
+    pub inertia_kg_m2: Real,
+    /// Viscous friction of the bearings \[N·m·s/rad\], ≥ 0.
+    pub viscous_nm_s_per_rad: Real,
+}
+
+/// Wheels that roll without slip, discretised for one step.
+///
+/// `v = R·ω`, `F = T/R` (EPowertrain 2025, eq. 4.6 and 4.7; the print's `v = 2π·R·ω` is an error
+/// that multiplies energy by 2π).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wheel {
+    pub(crate) per_radius: Real,
+    pub(crate) mass_kg: Real,
+    pub(crate) viscous_n_s_per_m: Real,
+    mass_per_h: Real,
+}
+
+/// What a [`Wheel`] that steps on its own is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelInput {
+    /// Torque of the axle \[N·m\].
+    pub axle_nm: Real,
+    /// Speed of the road at the end of the step \[m/s\].
+    pub speed_m_s: Real,
+}
+
+/// The state of a [`Wheel`] that steps on its own: the speed of the road \[m/s\].
+pub type WheelState = Real;
+
+/// What a [`Wheel`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct WheelOutput {
+    /// Speed of the axle \[rad/s\].
+    pub axle_rad_s: Real,
+    /// Force on the vehicle \[N\].
+    pub force_n: Real,
+    /// Power lost \[W\], never negative.
+    pub loss_w: Real,
+    /// An input was not finite or absurd; the state is unchanged.
+    pub rejected: bool,
+}
+
+impl Wheel {
+    /// Checks `params` and discretises them for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: WheelParams, dt: Dt) -> Result<Self, ParamError> {
+        let radius_m = check!(positive("wheel.radius_m", params.radius_m));
+        let inertia = check!(not_negative("wheel.inertia_kg_m2", params.inertia_kg_m2));
+        let viscous =
+            check!(not_negative("wheel.viscous_nm_s_per_rad", params.viscous_nm_s_per_rad));
+        let mass_kg = inertia / (radius_m * radius_m);
+        Ok(Self {
+            per_radius: 1.0 / radius_m,
+            mass_kg,
+            viscous_n_s_per_m: viscous / (radius_m * radius_m),
+            mass_per_h: mass_kg / dt.s(),
+        })
+    }
+
+    /// Speed of the axle at a road speed \[rad/s\].
+    #[inline]
+    #[must_use]
+    pub const fn axle_rad_s(&self, speed_m_s: Real) -> Real {
+        self.per_radius * speed_m_s
+    }
+
+    /// What the axle offers at the road, given its shaft.
+    #[inline]
+    #[must_use]
+    pub const fn law(&self, axle: TorqueLaw, speed_m_s: Real) -> RoadLaw {
+        let per_radius_squared = self.per_radius * self.per_radius;
+        RoadLaw {
+            force_n: self.per_radius * axle.torque_nm - self.viscous_n_s_per_m * speed_m_s,
+            slope_n_s_per_m: per_radius_squared * axle.slope_nm_s_per_rad
+                + (self.mass_per_h + self.viscous_n_s_per_m),
+            friction_n: self.per_radius * axle.friction_nm,
+        }
+    }
+
+    /// Advances by one step on its own, the road's speed imposed.
+    #[inline]
+    pub fn step(&self, state: &mut WheelState, input: WheelInput) -> WheelOutput {
+        let rejected = !(sane(input.axle_nm) && sane(input.speed_m_s));
+        let (axle_nm, v) = if rejected { (0.0, *state) } else { (input.axle_nm, input.speed_m_s) };
+        let inertia_n = self.mass_per_h * (v - *state);
+        let viscous_n = self.viscous_n_s_per_m * v;
+        *state = v;
+        WheelOutput {
+            axle_rad_s: self.axle_rad_s(v),
+            force_n: self.per_radius * axle_nm - viscous_n - inertia_n,
+            loss_w: viscous_n * v,
+            rejected,
+        }
+    }
+}
+
+impl_model!(Wheel, WheelState, WheelInput, WheelOutput);
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const PARAMS: WheelParams =
+        WheelParams { radius_m: 0.35, inertia_kg_m2: 1.2, viscous_nm_s_per_rad: 0.05 };
+
+    fn wheel(params: WheelParams) -> Wheel {
+        Wheel::new(params, Dt::from_s(0.01).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn conserves_power_at_constant_speed() {
+        let (w, mut s) = (wheel(PARAMS), 20.0);
+        let out = w.step(&mut s, WheelInput { axle_nm: 300.0, speed_m_s: 20.0 });
+        let balance = 300.0 * out.axle_rad_s - out.force_n * 20.0 - out.loss_w;
+        assert!(balance.abs() < 0.01, "{balance}");
+        assert!((out.axle_rad_s - 20.0 / 0.35).abs() < 1e-4);
+        assert!((out.loss_w - 0.05 * out.axle_rad_s * out.axle_rad_s).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_law_says_the_same_as_the_step() {
+        let (w, mut s) = (wheel(PARAMS), 20.0);
+        let axle = TorqueLaw { torque_nm: 300.0, friction_nm: 7.0, ..TorqueLaw::default() };
+        let law = w.law(axle, 20.0);
+        let out = w.step(&mut s, WheelInput { axle_nm: 300.0, speed_m_s: 20.1 });
+        let by_law = law.force_n - law.slope_n_s_per_m * 0.1;
+        assert!((by_law - out.force_n).abs() < 0.01, "{by_law} {}", out.force_n);
+        assert!((law.friction_n - 20.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn bad_input_changes_nothing() {
+        let (w, mut s) = (wheel(PARAMS), 20.0);
+        for (axle_nm, speed_m_s) in [(Real::NAN, 1.0), (1.0, Real::INFINITY)] {
+            assert!(w.step(&mut s, WheelInput { axle_nm, speed_m_s }).rejected && s == 20.0);
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| Wheel::new(p, Dt::from_s(0.01).unwrap()).unwrap_err();
+        for bad in [-1.0, Real::NAN, Real::INFINITY] {
+            assert_eq!(
+                refused(WheelParams { radius_m: bad, ..PARAMS }),
+                ParamError::NotPositive("wheel.radius_m")
+            );
+            assert_eq!(
+                refused(WheelParams { inertia_kg_m2: bad, ..PARAMS }),
+                ParamError::Negative("wheel.inertia_kg_m2")
+            );
+            assert_eq!(
+                refused(WheelParams { viscous_nm_s_per_rad: bad, ..PARAMS }),
+                ParamError::Negative("wheel.viscous_nm_s_per_rad")
+            );
+        }
+    }
+}

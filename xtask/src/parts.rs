@@ -1,0 +1,186 @@
+//! The parts, in the order in which they run.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+
+use crate::data;
+use crate::metadata::Metadata;
+use crate::shell::{cargo, output, program, run};
+
+/// One part of the checks.
+pub struct Part {
+    /// What to type after `cargo xtask`.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub about: &'static str,
+    /// Whether some of it is skipped where the real measurements are absent.
+    pub needs_data: bool,
+    /// Does it.
+    pub run: fn() -> Result<()>,
+}
+
+/// Every part.
+pub const PARTS: &[Part] = &[
+    part("setup", "install what the other parts need", setup),
+    part("format", "formatting is that of rustfmt", format),
+    part("clippy", "no warning from the compiler or clippy", clippy),
+    Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
+    part("docs", "the documentation builds without a warning", docs),
+    part("thumb", "plant-core builds for Cortex-M4F with each set of features", thumb),
+    part("replay", "the command replays a driving cycle and writes its files", replay),
+];
+
+const fn part(name: &'static str, about: &'static str, run: fn() -> Result<()>) -> Part {
+    Part { name, about, needs_data: false, run }
+}
+
+/// The microcontroller target: Cortex-M4F.
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// The twin of plant-core in double precision: its library has the same name.
+const TWIN: &str = "plant-core-f64";
+
+fn setup() -> Result<()> {
+    for component in ["rustfmt", "clippy"] {
+        rustup("component", component)?;
+    }
+    rustup("target", TARGET)
+}
+
+/// Has rustup add a component or target that is not installed yet.
+fn rustup(kind: &str, name: &str) -> Result<()> {
+    let installed = output(program("rustup").args([kind, "list", "--installed"]))
+        .with_context(|| format!("cannot ask rustup for its {kind}s (see https://rustup.rs)"))?;
+    if lists(&installed, name) {
+        println!("{kind} {name} is installed");
+        return Ok(());
+    }
+    run(program("rustup").args([kind, "add", name]))
+        .with_context(|| format!("cannot install the {kind} {name}"))
+}
+
+/// Whether a list from rustup holds a name. It writes `clippy` as `clippy-<host>`.
+fn lists(installed: &str, name: &str) -> bool {
+    installed.lines().any(|line| {
+        line.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+    })
+}
+
+fn format() -> Result<()> {
+    run(cargo().args(["fmt", "--all", "--", "--check"]))
+}
+
+fn clippy() -> Result<()> {
+    run(cargo()
+        .args(["clippy", "--workspace", "--all-targets", "--all-features"])
+        .args(["--", "-D", "warnings"]))
+}
+
+fn tests() -> Result<()> {
+    let mut command = cargo();
+    command.args(["test", "--workspace", "--all-features"]);
+    if let Some(folder) = data::folder() {
+        command.env(data::VARIABLE, data::absolute(folder)?);
+    } else {
+        command.env_remove(data::VARIABLE);
+        print!("{}", data::NOTICE);
+    }
+    run(&mut command)
+}
+
+fn docs() -> Result<()> {
+    run(cargo()
+        .args(["doc", "--workspace", "--no-deps", "--all-features", "--exclude", TWIN])
+        .env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+fn thumb() -> Result<()> {
+    let package = "plant-core";
+    for features in feature_sets(&Metadata::load()?.features(package)?) {
+        run(cargo().args(["build", "-p", package, "--target", TARGET, "--release"]).args(features))
+            .context("does not build on target")?;
+    }
+    Ok(())
+}
+
+/// Cargo's arguments for: no feature, each feature alone, all features.
+fn feature_sets(features: &[String]) -> Vec<Vec<&str>> {
+    let none = vec!["--no-default-features"];
+    let alone = features.iter().map(|name| vec!["--no-default-features", "--features", name]);
+    let all = vec!["--all-features"];
+    std::iter::once(none).chain(alone).chain([all]).collect()
+}
+
+fn replay() -> Result<()> {
+    let out = Metadata::load()?.target_directory()?.join("xtask-replay");
+    if out.exists() {
+        fs::remove_dir_all(&out).with_context(|| format!("cannot empty {}", out.display()))?;
+    }
+    run(cargo().args(["run", "--release", "--", "replay", "udds", "--out"]).arg(&out))?;
+    check_replay(&out)
+}
+
+/// The folder holds a summary, a trace and a report, none of them empty.
+fn check_replay(out: &Path) -> Result<()> {
+    let entries = fs::read_dir(out)
+        .with_context(|| format!("the replay left no folder {}", out.display()))?
+        .collect::<std::io::Result<Vec<_>>>()?;
+    for wanted in ["summary.json", "trace.csv", "report."] {
+        let found = entries.iter().find(|entry| {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            name == wanted || (wanted.ends_with('.') && name.starts_with(wanted))
+        });
+        let Some(file) = found else { bail!("the replay wrote no `{wanted}`") };
+        if file.metadata()?.len() == 0 {
+            bail!("the replay left {} empty", file.file_name().to_string_lossy());
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rustup_lists() {
+        let installed = "cargo-x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n";
+        assert!(lists(installed, "cargo"));
+        assert!(lists(installed, TARGET));
+        assert!(!lists(installed, "clippy"));
+        assert!(!lists(installed, "thumbv7em-none-eabi"));
+        assert!(!lists("", TARGET));
+    }
+
+    #[test]
+    fn no_feature_each_alone_all() {
+        let features = [String::from("defmt"), String::from("serde")];
+        let expected: [&[&str]; 4] = [
+            &["--no-default-features"],
+            &["--no-default-features", "--features", "defmt"],
+            &["--no-default-features", "--features", "serde"],
+            &["--all-features"],
+        ];
+        assert_eq!(feature_sets(&features), expected);
+        assert_eq!(feature_sets(&[]), [["--no-default-features"], ["--all-features"]]);
+    }
+
+    #[test]
+    fn a_replay_needs_its_three_files() {
+        let out = std::env::temp_dir().join(format!("voltstep-xtask-{}", std::process::id()));
+        assert!(check_replay(&out).is_err());
+        fs::create_dir_all(&out).unwrap();
+        for name in ["summary.json", "trace.csv", "report.html"] {
+            let error = check_replay(&out).unwrap_err().to_string();
+            assert!(name.starts_with(error.split('`').nth(1).unwrap()), "{error}");
+            fs::write(out.join(name), "text").unwrap();
+        }
+        check_replay(&out).unwrap();
+        fs::write(out.join("trace.csv"), "").unwrap();
+        assert!(check_replay(&out).unwrap_err().to_string().contains("empty"));
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
