@@ -105,8 +105,7 @@ impl Converter {
     #[must_use]
     pub const fn series_ohm(&self, output_a: Real) -> Real {
         if self.params.voltage_drop_v > 0.0 {
-            self.params.resistance_ohm
-                + self.params.voltage_drop_v / (output_a.abs() + DROP_FADE_A)
+            self.params.resistance_ohm + self.params.voltage_drop_v / (output_a.abs() + DROP_FADE_A)
         } else {
             self.params.resistance_ohm
         }

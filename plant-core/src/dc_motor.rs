@@ -185,12 +185,8 @@ impl DcMotor {
     pub fn step(&self, state: &mut DcMotorState, input: DcMotorInput) -> DcMotorOutput {
         let (i, w) = (state.current_a.get(), state.speed_rad_s.get());
         let (law, winding) = self.law(Source::stiff(input.voltage_v), i, w);
-        let (dw, slip) = project(
-            w,
-            law.torque_nm - input.load_nm,
-            law.slope_nm_s_per_rad,
-            law.friction_nm,
-        );
+        let (dw, slip) =
+            project(w, law.torque_nm - input.load_nm, law.slope_nm_s_per_rad, law.friction_nm);
         let valid = sane(input.voltage_v) && sane(input.load_nm);
         self.settle(state, winding.increment_a(dw), dw, slip, valid)
     }
@@ -237,8 +233,7 @@ impl DcMotor {
         }
         let (current_a, speed_rad_s) = (state.current_a.get(), state.speed_rad_s.get());
         let torque_nm = self.torque_nm_per_a * current_a;
-        let friction_nm =
-            self.viscous_nm_s_per_rad * speed_rad_s + self.coulomb_nm * slip.sign();
+        let friction_nm = self.viscous_nm_s_per_rad * speed_rad_s + self.coulomb_nm * slip.sign();
         let inertia_nm = (self.coast_slope - self.viscous_nm_s_per_rad) * dw;
         DcMotorOutput {
             current_a,
@@ -272,9 +267,7 @@ mod tests {
     fn step_response(params: DcMotorParams) -> [DcMotorOutput; 3] {
         let (m, mut s) = (motor(params, 1e-5), DcMotorState::default());
         let mut run = |voltage_v, steps| -> Vec<DcMotorOutput> {
-            (0..steps)
-                .map(|_| m.step(&mut s, DcMotorInput { voltage_v, load_nm: 0.0 }))
-                .collect()
+            (0..steps).map(|_| m.step(&mut s, DcMotorInput { voltage_v, load_nm: 0.0 })).collect()
         };
         let before = *run(60.0, 200_000).last().unwrap();
         let after = run(248.0, 200_000);

@@ -13,7 +13,7 @@ pub enum ParamError {
     Negative(&'static str),
     /// Must be finite and between −1e12 and 1e12.
     NotFinite(&'static str),
-    /// Must be above zero; infinity means no limit.
+    /// Must be at least 1e-12; infinity means no limit.
     NotALimit(&'static str),
     /// Must lie in 0..1, both included.
     NotARatio(&'static str),
@@ -54,7 +54,7 @@ impl ParamError {
             Self::NotPositive(_) => "must be finite and between 1e-12 and 1e12",
             Self::Negative(_) => "must be finite, zero or above, and at most 1e12",
             Self::NotFinite(_) => "must be finite and between -1e12 and 1e12",
-            Self::NotALimit(_) => "must be above zero (infinity: no limit)",
+            Self::NotALimit(_) => "must be at least 1e-12 (infinity: no limit)",
             Self::NotARatio(_) => "must lie in 0..1",
             Self::NotAnEfficiency(_) => "must lie above 0 and up to 1",
             Self::NotAbove(_) => "must lie above the field that limits it from below",
@@ -179,7 +179,7 @@ pub(crate) const fn finite(field: &'static str, value: Real) -> Result<Real, Par
 
 /// A limit: above zero, infinity for none.
 pub(crate) const fn limit(field: &'static str, value: Real) -> Result<Real, ParamError> {
-    if value > 0.0 { Ok(value) } else { Err(ParamError::NotALimit(field)) }
+    if value >= SMALLEST_PARAM { Ok(value) } else { Err(ParamError::NotALimit(field)) }
 }
 
 pub(crate) const fn ratio(field: &'static str, value: Real) -> Result<Real, ParamError> {
@@ -191,10 +191,6 @@ pub(crate) const fn efficiency(field: &'static str, value: Real) -> Result<Real,
 }
 
 /// `value` must lie above `low`.
-pub(crate) const fn above(
-    field: &'static str,
-    value: Real,
-    low: Real,
-) -> Result<Real, ParamError> {
+pub(crate) const fn above(field: &'static str, value: Real, low: Real) -> Result<Real, ParamError> {
     if value > low { Ok(value) } else { Err(ParamError::NotAbove(field)) }
 }

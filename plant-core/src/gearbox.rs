@@ -93,8 +93,7 @@ impl Gearbox {
             torque_nm: self.ratio * motor.torque_nm,
             slope_nm_s_per_rad: self.ratio_squared
                 * (motor.slope_nm_s_per_rad + self.inertia_per_h),
-            friction_nm: self.ratio * motor.friction_nm
-                + self.loss_ratio * motor.carried_nm.abs(),
+            friction_nm: self.ratio * motor.friction_nm + self.loss_ratio * motor.carried_nm.abs(),
             carried_nm: self.ratio * motor.carried_nm,
         }
     }

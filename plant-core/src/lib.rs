@@ -1,5 +1,16 @@
 #![no_std]
 #![forbid(unsafe_code)]
+// Tests run on the host and compare with the standard library's functions.
+#![cfg_attr(
+    test,
+    allow(
+        clippy::disallowed_methods,
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        clippy::cast_sign_loss,
+        clippy::many_single_char_names
+    )
+)]
 //! EV powertrain plant models that step in closed form on a microcontroller, in `f32`, bit for bit
 //! as on a PC.
 //!

@@ -145,11 +145,17 @@ mod tests {
 
     #[test]
     fn friction_holds_brakes_and_never_pushes() {
-        assert_eq!(project(0.0, 50.0, 100.0, 60.0), (0.0, Slip::Stuck));
-        assert_eq!(project(0.0, 70.0, 100.0, 60.0), (0.7 - 0.6, Slip::Forward));
-        assert_eq!(project(0.0, -70.0, 100.0, 60.0), (0.6 - 0.7, Slip::Backward));
-        assert_eq!(project(0.3, 0.0, 100.0, 60.0), (-0.3, Slip::Stuck));
-        assert_eq!(project(2.0, 0.0, 100.0, 60.0), (-0.6, Slip::Forward));
+        for (x, force, increment, slip) in [
+            (0.0, 50.0, 0.0, Slip::Stuck),
+            (0.0, 70.0, 0.1, Slip::Forward),
+            (0.0, -70.0, -0.1, Slip::Backward),
+            (0.3, 0.0, -0.3, Slip::Stuck),
+            (2.0, 0.0, -0.6, Slip::Forward),
+            (-2.0, 0.0, 0.6, Slip::Backward),
+        ] {
+            let (found, mode) = project(x, force, 100.0, 60.0);
+            assert!((found - increment).abs() < 1e-6 && mode == slip, "{x} {force}: {found}");
+        }
     }
 
     #[test]

@@ -21,13 +21,11 @@ pub fn sin_cos_turns(turns: Real) -> (Real, Real) {
     let x = (quarters - nearest) * (0.5 * PI); // within ±π/4
     let x2 = x * x;
     // Taylor series, cut where the next term is below 1e-8 at π/4.
-    let sin = x
-        * (1.0
-            - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0))));
+    let sin = x * (1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0))));
     let cos = 1.0
         - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0 * (1.0 - x2 / 90.0))));
     // 0, 1, 2, 3 or 4 quarter turns were taken off.
-    if nearest < 0.5 || nearest > 3.5 {
+    if !(0.5..=3.5).contains(&nearest) {
         (sin, cos)
     } else if nearest < 1.5 {
         (cos, -sin)

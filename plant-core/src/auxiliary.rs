@@ -1,0 +1,160 @@
+//! Auxiliary load: what else draws from the battery.
+
+use crate::error::{ParamError, check, limit, not_negative};
+use crate::model::impl_model;
+use crate::num::{Real, sane};
+
+/// What is known about the auxiliary loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct AuxiliaryParams {
+    /// Constant power \[W\], ≥ 0.
+    pub power_w: Real,
+    /// Resistor across the battery \[Ω\], above zero; infinity for none.
+    pub resistance_ohm: Real,
+    /// Below this voltage the constant power is cut out \[V\], above zero.
+    pub cut_out_v: Real,
+}
+
+impl Default for AuxiliaryParams {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl AuxiliaryParams {
+    /// No load.
+    pub const NONE: Self = Self { power_w: 0.0, resistance_ohm: Real::INFINITY, cut_out_v: 1.0 };
+}
+
+/// A load of constant power, a resistor, or both.
+///
+/// Constant power is drawn as the current `P/V` at the last known voltage and booked as
+/// delivered; a resistor is part of the step's equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Auxiliary {
+    power_w: Real,
+    pub(crate) conductance_s: Real,
+    cut_out_v: Real,
+}
+
+/// What drives an [`Auxiliary`] that steps on its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AuxiliaryInput {
+    /// Voltage across it \[V\].
+    pub voltage_v: Real,
+    /// Power asked for beside the parameter \[W\].
+    pub power_w: Real,
+}
+
+/// What an [`Auxiliary`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AuxiliaryOutput {
+    /// Current drawn \[A\].
+    pub current_a: Real,
+    /// Power drawn \[W\].
+    pub power_w: Real,
+    /// The constant power is cut out.
+    pub cut_out: bool,
+    /// An input was not finite or absurd: it draws nothing.
+    pub rejected: bool,
+}
+
+impl Auxiliary {
+    /// Checks `params`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: AuxiliaryParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            power_w: check!(not_negative("auxiliary.power_w", params.power_w)),
+            conductance_s: 1.0 / check!(limit("auxiliary.resistance_ohm", params.resistance_ohm)),
+            cut_out_v: check!(limit("auxiliary.cut_out_v", params.cut_out_v)),
+        })
+    }
+
+    /// The current of the constant power, `asked_w` more than the parameter, at `voltage_v`.
+    #[inline]
+    #[must_use]
+    pub const fn constant_power_a(&self, asked_w: Real, voltage_v: Real) -> Real {
+        let power_w = self.power_w + asked_w;
+        if power_w > 0.0 && voltage_v >= self.cut_out_v { power_w / voltage_v } else { 0.0 }
+    }
+
+    /// One instant of the load on its own.
+    #[inline]
+    #[must_use]
+    pub fn step(&self, _state: &mut (), input: AuxiliaryInput) -> AuxiliaryOutput {
+        let rejected = !(sane(input.voltage_v) && sane(input.power_w));
+        let voltage_v = if rejected { 0.0 } else { input.voltage_v };
+        let constant_a = self.constant_power_a(input.power_w, voltage_v);
+        let current_a = constant_a + self.conductance_s * voltage_v;
+        AuxiliaryOutput {
+            current_a,
+            power_w: current_a * voltage_v,
+            cut_out: constant_a == 0.0 && self.power_w + input.power_w > 0.0,
+            rejected,
+        }
+    }
+}
+
+impl_model!(Auxiliary, (), AuxiliaryInput, AuxiliaryOutput);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOTH: AuxiliaryParams =
+        AuxiliaryParams { power_w: 500.0, resistance_ohm: 100.0, cut_out_v: 250.0 };
+
+    fn at(params: AuxiliaryParams, voltage_v: Real, power_w: Real) -> AuxiliaryOutput {
+        Auxiliary::new(params).unwrap().step(&mut (), AuxiliaryInput { voltage_v, power_w })
+    }
+
+    #[test]
+    fn draws_power_and_resistor_together_until_it_cuts_out() {
+        let out = at(BOTH, 400.0, 300.0);
+        assert!((out.power_w - (800.0 + 1600.0)).abs() < 0.01 && !out.cut_out);
+        let out = at(BOTH, 249.0, 300.0);
+        assert!((out.current_a - 2.49).abs() < 1e-4 && out.cut_out);
+        assert_eq!(at(AuxiliaryParams::NONE, 400.0, 0.0).current_a, 0.0);
+    }
+
+    #[test]
+    fn never_feeds_the_battery() {
+        assert_eq!(at(AuxiliaryParams::NONE, 400.0, -100.0).current_a, 0.0);
+    }
+
+    #[test]
+    fn bad_input_draws_nothing() {
+        for (v, p) in [(Real::NAN, 0.0), (400.0, Real::INFINITY), (1e38, 0.0)] {
+            let out = at(BOTH, v, p);
+            assert!(out.rejected && out.current_a == 0.0 && out.power_w == 0.0);
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| Auxiliary::new(p).unwrap_err();
+        for bad in [-1.0, Real::NAN] {
+            assert_eq!(
+                refused(AuxiliaryParams { power_w: bad, ..BOTH }),
+                ParamError::Negative("auxiliary.power_w")
+            );
+            assert_eq!(
+                refused(AuxiliaryParams { resistance_ohm: bad, ..BOTH }),
+                ParamError::NotALimit("auxiliary.resistance_ohm")
+            );
+            assert_eq!(
+                refused(AuxiliaryParams { cut_out_v: bad, ..BOTH }),
+                ParamError::NotALimit("auxiliary.cut_out_v")
+            );
+        }
+    }
+}

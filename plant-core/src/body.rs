@@ -1,0 +1,407 @@
+//! Body: mass, air, rolling resistance, slope, friction brake.
+
+use crate::error::{ParamError, check, not_negative, positive};
+use crate::model::{Dt, impl_model};
+use crate::num::{Accum, GRAVITY_M_S2, Real, sane};
+use crate::port::{RoadLaw, Slip, project};
+use crate::slope::Grade;
+
+/// What is known about a vehicle's body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct BodyParams {
+    /// Mass with load \[kg\], without what turns, above zero.
+    pub mass_kg: Real,
+    /// What resists the motion on a flat road.
+    pub resistance: RoadResistance,
+}
+
+/// What resists the motion on a flat road: by physics, or as a coast-down test found it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case", deny_unknown_fields))]
+pub enum RoadResistance {
+    /// Drag `½·ρ·C_d·A_f·v²` and rolling resistance `C_r·M·g·cos α`.
+    Physical {
+        /// Drag coefficient C_d, ≥ 0.
+        drag_coefficient: Real,
+        /// Frontal area A_f \[m²\], ≥ 0.
+        frontal_area_m2: Real,
+        /// Density of the air ρ \[kg/m³\], ≥ 0.
+        air_density_kg_m3: Real,
+        /// Rolling resistance coefficient C_r, ≥ 0.
+        rolling_coefficient: Real,
+    },
+    /// Road load `A + B·v + C·v²` of a coast-down test.
+    CoastDown {
+        /// A: the part that does not depend on speed \[N\], ≥ 0.
+        a_n: Real,
+        /// B: the part that grows with speed \[N·s/m\], ≥ 0.
+        b_n_s_per_m: Real,
+        /// C: the part that grows with its square \[N·s²/m²\], ≥ 0; it takes the wind.
+        c_n_s2_per_m2: Real,
+    },
+}
+
+/// A body that moves along the road, discretised for one step.
+///
+/// `M·dv/dt = F − ½·ρ·C_d·A_f·v·|v| − C_r·M·g·cos α·sgn(v) − M·g·sin α` (EPowertrain 2025,
+/// eq. 3.10 to 3.15; the print divides by A_f). Drag with wind w is taken as
+/// `c·|v + w|·(v' + w)`, v' the new speed; rolling resistance and brake are set-valued and
+/// projected once, so standstill is exact and holds on a slope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    pub(crate) mass_kg: Real,
+    mass_per_h: Real,
+    pub(crate) weight_n: Real,
+    pub(crate) rolling_n: Real,
+    pub(crate) viscous_n_s_per_m: Real,
+    pub(crate) drag_n_s2_per_m2: Real,
+}
+
+/// The state of a [`Body`]; at rest by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BodyState {
+    /// Speed along the road \[m/s\].
+    pub speed_m_s: Accum,
+    /// Distance along the road \[m\].
+    pub distance_m: Accum,
+}
+
+/// The road and the weather over one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Road {
+    /// The slope.
+    pub grade: Grade,
+    /// Wind against the vehicle \[m/s\].
+    pub headwind_m_s: Real,
+    /// Force of the friction brake \[N\], ≥ 0.
+    pub brake_n: Real,
+}
+
+impl Road {
+    /// The sum of its magnitudes, for one check of all.
+    #[inline]
+    pub(crate) const fn magnitude(&self) -> Real {
+        self.grade.sin.abs() + self.grade.cos.abs() + self.headwind_m_s.abs() + self.brake_n.abs()
+    }
+}
+
+/// What drives a [`Body`] that steps on its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyInput {
+    /// Force of the wheels \[N\].
+    pub force_n: Real,
+    /// The road and the weather.
+    pub road: Road,
+}
+
+/// What one step of a [`Body`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BodyOutput {
+    /// Speed \[m/s\].
+    pub speed_m_s: Real,
+    /// Distance \[m\].
+    pub distance_m: Real,
+    /// Acceleration over the step \[m/s²\].
+    pub acceleration_m_s2: Real,
+    /// Force of the air, positive against forward motion \[N\].
+    pub drag_n: Real,
+    /// Whether and which way it moves.
+    pub slip: Slip,
+    /// An input was not finite or absurd; the state is unchanged.
+    pub rejected: bool,
+}
+
+/// What the body does over one step, before it is booked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Speed increment \[m/s\].
+    pub increment_m_s: Real,
+    /// Whether and which way it moves afterwards.
+    pub slip: Slip,
+}
+
+/// The forces on the body that the increment does not know yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resistance {
+    /// Force on the body if the speed stayed as it is \[N\].
+    pub force_n: Real,
+    /// How much a speed increment lowers it, inertia included \[N·s/m\].
+    pub slope_n_s_per_m: Real,
+    /// Coulomb-type forces \[N\].
+    pub friction_n: Real,
+    /// `c·|v + w|` \[N·s/m\].
+    pub drag_n_s_per_m: Real,
+}
+
+impl Resistance {
+    /// The speed increment once an axle's law is added.
+    #[inline]
+    #[must_use]
+    pub fn solve(&self, axle: RoadLaw, speed_m_s: Real) -> Motion {
+        let (increment_m_s, slip) = project(
+            speed_m_s,
+            self.force_n + axle.force_n,
+            self.slope_n_s_per_m + axle.slope_n_s_per_m,
+            self.friction_n + axle.friction_n,
+        );
+        Motion { increment_m_s, slip }
+    }
+}
+
+impl Body {
+    /// Checks `params` and discretises them for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: BodyParams, dt: Dt) -> Result<Self, ParamError> {
+        let mass_kg = check!(positive("body.mass_kg", params.mass_kg));
+        let weight_n = mass_kg * GRAVITY_M_S2;
+        let (rolling_n, viscous_n_s_per_m, drag_n_s2_per_m2) = match params.resistance {
+            RoadResistance::Physical {
+                drag_coefficient,
+                frontal_area_m2,
+                air_density_kg_m3,
+                rolling_coefficient,
+            } => {
+                check!(not_negative("body.resistance.drag_coefficient", drag_coefficient));
+                check!(not_negative("body.resistance.frontal_area_m2", frontal_area_m2));
+                check!(not_negative("body.resistance.air_density_kg_m3", air_density_kg_m3));
+                check!(not_negative("body.resistance.rolling_coefficient", rolling_coefficient));
+                let drag = 0.5 * air_density_kg_m3 * drag_coefficient * frontal_area_m2;
+                (rolling_coefficient * weight_n, 0.0, drag)
+            }
+            RoadResistance::CoastDown { a_n, b_n_s_per_m, c_n_s2_per_m2 } => {
+                check!(not_negative("body.resistance.a_n", a_n));
+                check!(not_negative("body.resistance.b_n_s_per_m", b_n_s_per_m));
+                check!(not_negative("body.resistance.c_n_s2_per_m2", c_n_s2_per_m2));
+                (a_n, b_n_s_per_m, c_n_s2_per_m2)
+            }
+        };
+        Ok(Self {
+            mass_kg,
+            mass_per_h: mass_kg / dt.s(),
+            weight_n,
+            rolling_n,
+            viscous_n_s_per_m,
+            drag_n_s2_per_m2,
+        })
+    }
+
+    /// What the body sets against an increment over one step.
+    #[inline]
+    #[must_use]
+    pub const fn resistance(&self, road: &Road, speed_m_s: Real) -> Resistance {
+        let air_m_s = speed_m_s + road.headwind_m_s;
+        let drag_n_s_per_m = self.drag_n_s2_per_m2 * air_m_s.abs();
+        Resistance {
+            force_n: -drag_n_s_per_m * air_m_s
+                - self.viscous_n_s_per_m * speed_m_s
+                - self.weight_n * road.grade.sin,
+            slope_n_s_per_m: self.mass_per_h + self.viscous_n_s_per_m + drag_n_s_per_m,
+            friction_n: self.rolling_n * road.grade.cos + road.brake_n,
+            drag_n_s_per_m,
+        }
+    }
+
+    /// Books the motion found: the speed, and the distance `x += h·v'`.
+    #[inline]
+    pub const fn settle(state: &mut BodyState, motion: Motion, dt_s: Real) {
+        if matches!(motion.slip, Slip::Stuck) {
+            state.speed_m_s = Accum::new(0.0);
+        } else {
+            state.speed_m_s.add(motion.increment_m_s);
+            state.distance_m.add(state.speed_m_s.get() * dt_s);
+        }
+    }
+
+    /// Advances by one step on its own, under a force at the wheels.
+    #[inline]
+    pub fn step(&self, state: &mut BodyState, input: BodyInput) -> BodyOutput {
+        let v = state.speed_m_s.get();
+        let dt_s = self.mass_kg / self.mass_per_h;
+        let resistance = self.resistance(&input.road, v);
+        let axle = RoadLaw { force_n: input.force_n, ..RoadLaw::default() };
+        let mut motion = resistance.solve(axle, v);
+        let rejected = !(sane(input.force_n)
+            && sane(input.road.magnitude())
+            && input.road.brake_n >= 0.0
+            && sane(v + motion.increment_m_s));
+        if rejected {
+            motion.increment_m_s = 0.0;
+        } else {
+            Self::settle(state, motion, dt_s);
+        }
+        let speed_m_s = state.speed_m_s.get();
+        BodyOutput {
+            speed_m_s,
+            distance_m: state.distance_m.get(),
+            acceleration_m_s2: motion.increment_m_s / dt_s,
+            drag_n: if rejected {
+                0.0
+            } else {
+                resistance.drag_n_s_per_m * (speed_m_s + input.road.headwind_m_s)
+            },
+            slip: motion.slip,
+            rejected,
+        }
+    }
+}
+
+impl_model!(Body, BodyState, BodyInput, BodyOutput);
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const CAR: BodyParams = BodyParams {
+        mass_kg: 1500.0,
+        resistance: RoadResistance::Physical {
+            drag_coefficient: 0.29,
+            frontal_area_m2: 2.2,
+            air_density_kg_m3: 1.2,
+            rolling_coefficient: 0.009,
+        },
+    };
+
+    fn body(params: BodyParams, dt_s: Real) -> Body {
+        Body::new(params, Dt::from_s(dt_s).unwrap()).unwrap()
+    }
+
+    fn uphill(percent: Real) -> Road {
+        Road { grade: Grade::from_ratio(percent / 100.0), ..Road::default() }
+    }
+
+    #[test]
+    fn reaches_the_speed_where_drag_and_rolling_balance_the_force() {
+        let (b, mut s) = (body(CAR, 0.01), BodyState::default());
+        for _ in 0..100_000 {
+            b.step(&mut s, BodyInput { force_n: 500.0, ..BodyInput::default() });
+        }
+        let exact = ((500.0 - 0.009 * 1500.0 * 9.80665) / (0.5 * 1.2 * 0.29 * 2.2_f64)).sqrt();
+        assert!((f64::from(s.speed_m_s.get()) - exact).abs() < 1e-3 * exact);
+    }
+
+    #[test]
+    fn coast_down_coefficients_resist_as_measured() {
+        let resistance =
+            RoadResistance::CoastDown { a_n: 120.0, b_n_s_per_m: 2.0, c_n_s2_per_m2: 0.4 };
+        let b = body(BodyParams { resistance, ..CAR }, 1e-3);
+        let mut s = BodyState { speed_m_s: Accum::new(20.0), ..BodyState::default() };
+        let out = b.step(&mut s, BodyInput::default());
+        assert!((out.acceleration_m_s2 + (120.0 + 40.0 + 160.0) / 1500.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn headwind_slows_and_tailwind_pushes() {
+        let at = |headwind_m_s| {
+            let mut s = BodyState { speed_m_s: Accum::new(10.0), ..BodyState::default() };
+            let road = Road { headwind_m_s, ..Road::default() };
+            body(CAR, 1e-3).step(&mut s, BodyInput { force_n: 0.0, road }).drag_n
+        };
+        let c = 0.5 * 1.2 * 0.29 * 2.2;
+        assert!((at(5.0) - c * 225.0).abs() < 0.1);
+        assert!((at(-15.0) + c * 25.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn holds_on_a_slope_below_the_rolling_limit_and_rolls_above_it() {
+        for (percent, holds) in [(0.89, true), (-0.89, true), (0.91, false), (-0.91, false)] {
+            let (b, mut s) = (body(CAR, 0.001), BodyState::default());
+            for _ in 0..10_000 {
+                b.step(&mut s, BodyInput { force_n: 0.0, road: uphill(percent) });
+            }
+            assert_eq!(s.speed_m_s.get() == 0.0, holds, "{percent} %: {:?}", s.speed_m_s);
+            assert!(holds || (s.speed_m_s.get() < 0.0) == (percent > 0.0));
+        }
+    }
+
+    #[test]
+    fn the_brake_stops_at_zero_and_does_not_push() {
+        let (b, mut s) = (body(CAR, 0.01), BodyState::default());
+        s.speed_m_s = Accum::new(1.0);
+        let road = Road { brake_n: 3000.0, ..uphill(5.0) };
+        let mut last = 1.0;
+        for _ in 0..200 {
+            let out = b.step(&mut s, BodyInput { force_n: 0.0, road });
+            assert!(out.speed_m_s <= last && out.speed_m_s >= 0.0);
+            last = out.speed_m_s;
+        }
+        assert!(s.speed_m_s.get() == 0.0 && s.distance_m.get() < 0.25);
+    }
+
+    #[test]
+    fn is_stable_for_steps_of_any_length() {
+        for dt_s in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
+            let (b, mut s) = (body(CAR, dt_s), BodyState::default());
+            s.speed_m_s = Accum::new(60.0);
+            for _ in 0..50 {
+                let v = b.step(&mut s, BodyInput::default()).speed_m_s;
+                assert!((0.0..=60.0).contains(&v), "{dt_s}: {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn bad_input_changes_nothing() {
+        let (b, mut s) = (body(CAR, 0.01), BodyState::default());
+        b.step(&mut s, BodyInput { force_n: 500.0, ..BodyInput::default() });
+        let before = s;
+        for bad in [Real::NAN, Real::INFINITY, 1e38] {
+            let roads = [
+                Road { headwind_m_s: bad, ..Road::default() },
+                Road { brake_n: bad, ..Road::default() },
+                Road { grade: Grade { sin: bad, cos: 1.0 }, ..Road::default() },
+                Road { grade: Grade { sin: 0.0, cos: bad }, ..Road::default() },
+            ];
+            for road in roads {
+                assert!(b.step(&mut s, BodyInput { force_n: 0.0, road }).rejected);
+            }
+            assert!(b.step(&mut s, BodyInput { force_n: bad, ..BodyInput::default() }).rejected);
+        }
+        let road = Road { brake_n: -1.0, ..Road::default() };
+        assert!(b.step(&mut s, BodyInput { force_n: 0.0, road }).rejected);
+        assert_eq!(s, before);
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| Body::new(p, Dt::from_s(0.01).unwrap()).unwrap_err();
+        let mass = BodyParams { mass_kg: -1.0, ..CAR };
+        assert_eq!(refused(mass), ParamError::NotPositive("body.mass_kg"));
+        let fields = [
+            "body.resistance.drag_coefficient",
+            "body.resistance.frontal_area_m2",
+            "body.resistance.air_density_kg_m3",
+            "body.resistance.rolling_coefficient",
+        ];
+        for (i, field) in fields.into_iter().enumerate() {
+            let at = |j| if i == j { -1.0 } else { 0.3 };
+            let resistance = RoadResistance::Physical {
+                drag_coefficient: at(0),
+                frontal_area_m2: at(1),
+                air_density_kg_m3: at(2),
+                rolling_coefficient: at(3),
+            };
+            assert_eq!(refused(BodyParams { resistance, ..CAR }), ParamError::Negative(field));
+        }
+        for (i, field) in ["a_n", "b_n_s_per_m", "c_n_s2_per_m2"].into_iter().enumerate() {
+            let at = |j| if i == j { Real::NAN } else { 0.3 };
+            let resistance =
+                RoadResistance::CoastDown { a_n: at(0), b_n_s_per_m: at(1), c_n_s2_per_m2: at(2) };
+            let error = refused(BodyParams { resistance, ..CAR });
+            assert_eq!(error.field().strip_prefix("body.resistance."), Some(field));
+        }
+    }
+}

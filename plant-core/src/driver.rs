@@ -1,0 +1,442 @@
+//! Drivers: from a speed reference to a duty and a brake force.
+
+use crate::error::{ParamError, check, limit, not_negative, positive};
+use crate::model::{Dt, Model};
+use crate::num::{Real, clamp, lag_gain, max, min, sign};
+use crate::pid::{Pid, PidInput, PidParams, PidState};
+use crate::powertrain::{Limited, PowertrainOutput, PowertrainParams};
+
+/// Below this speed the vehicle counts as standing \[m/s\].
+pub const STANDSTILL_M_S: Real = 0.02;
+
+/// How a vehicle is driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum DriverParams {
+    /// The reference system's: a PID from the speed error straight to the duty; no friction brake.
+    Duty(PidParams),
+    /// A real vehicle's: speed → torque → limits → current → duty, with brake blending.
+    Torque(TorqueDriverParams),
+}
+
+/// What is known about the driver of a real vehicle and its torque control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct TorqueDriverParams {
+    /// The speed controller: from m/s to the force at the road \[N\].
+    pub speed: PidParams,
+    /// Peak torque of the motor \[N·m\], above zero.
+    pub peak_torque_nm: Real,
+    /// Peak mechanical power of the motor \[W\], above zero.
+    pub peak_power_w: Real,
+    /// Largest regenerative torque \[N·m\], ≥ 0.
+    pub regen_torque_nm: Real,
+    /// Largest regenerative mechanical power \[W\], above zero.
+    pub regen_power_w: Real,
+    /// Below this speed regeneration fades to zero \[m/s\], above zero.
+    pub regen_fade_m_s: Real,
+    /// Regeneration fades to zero over this last share of the state of charge, above zero.
+    pub regen_fade_soc: Real,
+    /// Largest force of the friction brake at the road \[N\], above zero; it holds at standstill.
+    pub brake_limit_n: Real,
+    /// Bandwidth of the current controller \[1/s\], above zero.
+    pub current_rate_per_s: Real,
+}
+
+/// What a driver knows of the vehicle: the end of the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Feedback {
+    /// Speed \[m/s\].
+    pub speed_m_s: Real,
+    /// Winding current \[A\].
+    pub motor_a: Real,
+    /// Voltage at the battery's terminals \[V\].
+    pub battery_v: Real,
+    /// State of charge, 0..1.
+    pub soc: Real,
+    /// The duty applied.
+    pub duty: Real,
+    /// A battery limit changed the duty.
+    pub limited: bool,
+}
+
+impl From<&PowertrainOutput> for Feedback {
+    #[inline]
+    fn from(out: &PowertrainOutput) -> Self {
+        Self {
+            speed_m_s: out.speed_m_s,
+            motor_a: out.motor_a,
+            battery_v: out.battery_v,
+            soc: out.soc,
+            duty: out.duty,
+            limited: out.limited != Limited::No,
+        }
+    }
+}
+
+/// What drives a [`Driver`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriverInput {
+    /// The speed to follow \[m/s\].
+    pub reference_m_s: Real,
+    /// How fast it changes, as feed-forward \[m/s²\]; 0 where it is not known.
+    pub reference_m_s2: Real,
+    /// The vehicle.
+    pub vehicle: Feedback,
+}
+
+/// What a [`Driver`] commands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DriverOutput {
+    /// Duty of the converter.
+    pub duty: Real,
+    /// Force of the friction brake \[N\], ≥ 0.
+    pub brake_n: Real,
+    /// An input was not finite or absurd: the driver holds its last command.
+    pub rejected: bool,
+}
+
+/// The state of a [`Driver`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DriverState {
+    /// The speed controller.
+    pub speed: PidState,
+    last_duty: Real,
+    last_brake_n: Real,
+}
+
+/// A driver, discretised for one step. A sampled controller: it sees the end of the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Driver {
+    /// See [`DriverParams::Duty`].
+    Duty(Pid),
+    /// See [`DriverParams::Torque`].
+    Torque(TorqueDriver),
+}
+
+/// See [`DriverParams::Torque`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueDriver {
+    params: TorqueDriverParams,
+    speed: Pid,
+    motor_rad_per_m: Real,
+    per_motor_rad_m: Real,
+    mass_kg: Real,
+    torque_nm_per_a: Real,
+    a_per_nm: Real,
+    back_emf_v_s_per_rad: Real,
+    series_ohm: Real,
+    drop_v: Real,
+    current_gain_ohm: Real,
+    per_regen_fade_s_per_m: Real,
+    per_regen_fade_soc: Real,
+}
+
+impl Driver {
+    /// Checks `params` and fits the driver to a vehicle, for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(
+        params: DriverParams,
+        vehicle: &PowertrainParams,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        match params {
+            DriverParams::Duty(pid) => Ok(Self::Duty(check!(Pid::new(pid, dt)))),
+            DriverParams::Torque(torque) => {
+                Ok(Self::Torque(check!(TorqueDriver::new(torque, vehicle, dt))))
+            }
+        }
+    }
+
+    /// Decides on one step.
+    #[inline]
+    pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
+        match self {
+            Self::Duty(pid) => {
+                pid.feed_back(&mut state.speed, input.vehicle.duty);
+                let command = pid.step(
+                    &mut state.speed,
+                    PidInput {
+                        reference: input.reference_m_s,
+                        measurement: input.vehicle.speed_m_s,
+                    },
+                );
+                DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
+            }
+            Self::Torque(driver) => driver.step(state, input),
+        }
+    }
+}
+
+impl Model for Driver {
+    type State = DriverState;
+    type Input = DriverInput;
+    type Output = DriverOutput;
+
+    #[inline]
+    fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
+        Self::step(self, state, input)
+    }
+}
+
+impl TorqueDriver {
+    /// Checks `params` and fits the driver to a vehicle, for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(
+        params: TorqueDriverParams,
+        vehicle: &PowertrainParams,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        check!(limit("driver.torque.peak_torque_nm", params.peak_torque_nm));
+        check!(limit("driver.torque.peak_power_w", params.peak_power_w));
+        check!(not_negative("driver.torque.regen_torque_nm", params.regen_torque_nm));
+        check!(limit("driver.torque.regen_power_w", params.regen_power_w));
+        let fade_m_s = check!(positive("driver.torque.regen_fade_m_s", params.regen_fade_m_s));
+        let fade_soc = check!(positive("driver.torque.regen_fade_soc", params.regen_fade_soc));
+        check!(positive("driver.torque.brake_limit_n", params.brake_limit_n));
+        let rate = check!(positive("driver.torque.current_rate_per_s", params.current_rate_per_s));
+        let radius_m = check!(positive("wheel.radius_m", vehicle.wheel.radius_m));
+        let ratio = check!(positive("gearbox.ratio", vehicle.gearbox.ratio));
+        let kt = check!(positive("motor.torque_nm_per_a", vehicle.motor.torque_nm_per_a));
+        let motor_rad_per_m = ratio / radius_m;
+        let inertia = vehicle.motor.inertia_kg_m2 + vehicle.gearbox.inertia_kg_m2;
+        Ok(Self {
+            speed: check!(Pid::new(params.speed, dt)),
+            motor_rad_per_m,
+            per_motor_rad_m: 1.0 / motor_rad_per_m,
+            mass_kg: vehicle.body.mass_kg
+                + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
+                + inertia * motor_rad_per_m * motor_rad_per_m,
+            torque_nm_per_a: kt,
+            a_per_nm: 1.0 / kt,
+            back_emf_v_s_per_rad: vehicle.motor.back_emf_v_s_per_rad,
+            series_ohm: vehicle.motor.resistance_ohm + vehicle.converter.resistance_ohm,
+            drop_v: vehicle.converter.voltage_drop_v,
+            // At most L/h, so that the loop is stable at any step.
+            current_gain_ohm: vehicle.motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s()),
+            per_regen_fade_s_per_m: 1.0 / fade_m_s,
+            per_regen_fade_soc: 1.0 / fade_soc,
+            params,
+        })
+    }
+
+    /// The torque limits at a motor speed, in the direction of motion: (regeneration, drive).
+    #[inline]
+    fn torque_limits_nm(&self, motor_rad_s: Real, speed_m_s: Real, soc: Real) -> (Real, Real) {
+        let p = &self.params;
+        let within = |torque_nm: Real, power_w: Real| {
+            if torque_nm * motor_rad_s > power_w { power_w / motor_rad_s } else { torque_nm }
+        };
+        let fade = clamp(speed_m_s * self.per_regen_fade_s_per_m, 0.0, 1.0)
+            * clamp((1.0 - soc) * self.per_regen_fade_soc, 0.0, 1.0);
+        (
+            within(p.regen_torque_nm, p.regen_power_w) * fade,
+            within(p.peak_torque_nm, p.peak_power_w),
+        )
+    }
+
+    /// Decides on one step.
+    #[inline]
+    pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
+        let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
+        let v = vehicle.speed_m_s;
+        let standing = reference_m_s.abs() + v.abs() < STANDSTILL_M_S;
+        let controller = self
+            .speed
+            .step(&mut state.speed, PidInput { reference: reference_m_s, measurement: v });
+        let force_n = controller.output + self.mass_kg * reference_m_s2;
+        let way = if v == 0.0 { sign(reference_m_s) } else { sign(v) };
+        let motor_rad_s = self.motor_rad_per_m * v;
+
+        // Torques and forces from here on count in the direction of motion.
+        let wanted_nm = way * force_n * self.per_motor_rad_m;
+        let (regen_nm, drive_nm) = self.torque_limits_nm(motor_rad_s.abs(), v.abs(), vehicle.soc);
+        let command_nm = if standing { 0.0 } else { clamp(wanted_nm, -regen_nm, drive_nm) };
+        let mut brake_nm = max(command_nm - wanted_nm, 0.0);
+        if vehicle.limited && wanted_nm < 0.0 {
+            // The battery refused part of the regeneration: what the motor does not give.
+            let given_nm = way * self.torque_nm_per_a * vehicle.motor_a;
+            brake_nm += max(given_nm - command_nm, 0.0);
+        }
+        let demand_n = brake_nm * self.motor_rad_per_m;
+        let brake_n = if standing {
+            self.params.brake_limit_n
+        } else {
+            min(demand_n, self.params.brake_limit_n)
+        };
+
+        if standing {
+            state.speed.reset();
+        } else if wanted_nm > drive_nm {
+            Pid::saturate(&mut state.speed, way);
+        } else if demand_n > self.params.brake_limit_n {
+            Pid::saturate(&mut state.speed, -way);
+        } else {
+            Pid::saturate(&mut state.speed, 0.0);
+        }
+
+        let current_a = way * command_nm * self.a_per_nm;
+        let winding_v = self.series_ohm * current_a
+            + self.drop_v * sign(current_a)
+            + self.back_emf_v_s_per_rad * motor_rad_s
+            + self.current_gain_ohm * (current_a - vehicle.motor_a);
+        let duty = winding_v / max(vehicle.battery_v, 1.0);
+        let sound =
+            !controller.rejected && crate::num::sane(duty.abs() + brake_n.abs() + force_n.abs());
+        if sound {
+            state.last_duty = duty;
+            state.last_brake_n = brake_n;
+        }
+        DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::powertrain::{Powertrain, PowertrainInput};
+    use crate::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS, Vehicle};
+
+    const DT: Dt = crate::must!(Dt::from_s(0.001));
+
+    struct Run {
+        top_m_s: Real,
+        brake_n: Real,
+        last: PowertrainOutput,
+    }
+
+    /// Drives towards a reference of time for a while.
+    fn drive(
+        vehicle: &Vehicle,
+        soc: Real,
+        v0: Real,
+        steps: u32,
+        reference: fn(Real) -> Real,
+    ) -> Run {
+        let plant = Powertrain::new(vehicle.powertrain, DT).unwrap();
+        let driver = Driver::new(vehicle.driver, &vehicle.powertrain, DT).unwrap();
+        let (mut ps, mut ds) = (plant.at_speed(soc, v0).unwrap(), DriverState::default());
+        let mut feedback = plant.feedback(&ps);
+        let mut run: Option<Run> = None;
+        for n in 0..steps {
+            let t = n as Real * 0.001;
+            let input = DriverInput {
+                reference_m_s: reference(t),
+                reference_m_s2: (reference(t + 0.001) - reference(t)) / 0.001,
+                vehicle: feedback,
+            };
+            let command = driver.step(&mut ds, input);
+            let mut input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
+            input.road.brake_n = command.brake_n;
+            let out = plant.step(&mut ps, input);
+            assert!(!out.rejected && !command.rejected && command.brake_n >= 0.0);
+            feedback = Feedback::from(&out);
+            let (top, brake) = run.map_or((0.0, 0.0), |r| (r.top_m_s, r.brake_n));
+            run = Some(Run {
+                top_m_s: max(top, out.speed_m_s),
+                brake_n: if n > 100 { max(brake, command.brake_n) } else { 0.0 },
+                last: out,
+            });
+        }
+        run.unwrap()
+    }
+
+    #[test]
+    fn both_drivers_follow_a_ramp_and_hold_a_speed() {
+        for vehicle in [&BMW_I3_60AH, &EPOWERTRAIN_UDDS] {
+            let run = drive(vehicle, 0.8, 0.0, 20_000, |t| min(1.5 * t, 15.0));
+            assert!((run.last.speed_m_s - 15.0).abs() < 0.02, "{}", run.last.speed_m_s);
+            assert!(run.top_m_s < 15.3, "{}", run.top_m_s);
+        }
+    }
+
+    #[test]
+    fn peak_torque_and_power_limit_the_acceleration() {
+        let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+        let run = drive(&BMW_I3_60AH, 0.8, 0.0, 1000, |_| 50.0);
+        assert!((run.last.motor_nm / p.peak_torque_nm - 1.0).abs() < 0.02, "{}", run.last.motor_nm);
+        let run = drive(&BMW_I3_60AH, 0.8, 0.0, 8000, |_| 50.0);
+        let power_w = run.last.motor_nm * run.last.motor_rad_s;
+        assert!((power_w / p.peak_power_w - 1.0).abs() < 0.02, "{power_w}");
+    }
+
+    #[test]
+    fn the_brake_takes_what_regeneration_may_not() {
+        let stop = |t: Real| max(20.0 - 1.5 * t, 0.0);
+        let half = drive(&BMW_I3_60AH, 0.8, 20.0, 6000, stop);
+        let full = drive(&BMW_I3_60AH, 1.0, 20.0, 6000, stop);
+        for run in [&half, &full] {
+            assert!((run.last.speed_m_s - 11.0).abs() < 0.1, "{}", run.last.speed_m_s);
+        }
+        assert!(half.last.soc > 0.8 && half.brake_n < 50.0, "{} {}", half.last.soc, half.brake_n);
+        assert!(full.last.soc <= 1.0 && full.brake_n > 1500.0, "{}", full.brake_n);
+    }
+
+    #[test]
+    fn holds_at_standstill_with_the_brake() {
+        let run = drive(&BMW_I3_60AH, 0.8, 5.0, 8000, |t| max(5.0 - 2.0 * t, 0.0));
+        let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+        assert_eq!((run.last.speed_m_s, run.brake_n), (0.0, p.brake_limit_n));
+        assert!(run.last.motor_a.abs() < 0.1, "{}", run.last.motor_a);
+    }
+
+    #[test]
+    fn bad_input_holds_the_last_command() {
+        for vehicle in [&BMW_I3_60AH, &EPOWERTRAIN_UDDS] {
+            let driver = Driver::new(vehicle.driver, &vehicle.powertrain, DT).unwrap();
+            let mut s = DriverState::default();
+            let good = DriverInput {
+                reference_m_s: 5.0,
+                reference_m_s2: 0.0,
+                vehicle: Feedback {
+                    speed_m_s: 4.9,
+                    battery_v: 380.0,
+                    soc: 0.5,
+                    ..Feedback::default()
+                },
+            };
+            let before = driver.step(&mut s, good);
+            for bad in [Real::NAN, Real::INFINITY, 1e38] {
+                let out = driver.step(&mut s, DriverInput { reference_m_s: bad, ..good });
+                assert!(out.rejected && (out.duty, out.brake_n) == (before.duty, before.brake_n));
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+        let refused = |p| TorqueDriver::new(p, &BMW_I3_60AH.powertrain, DT).unwrap_err().field();
+        let bad = -1.0;
+        for (params, field) in [
+            (TorqueDriverParams { peak_torque_nm: bad, ..p }, "driver.torque.peak_torque_nm"),
+            (TorqueDriverParams { peak_power_w: bad, ..p }, "driver.torque.peak_power_w"),
+            (TorqueDriverParams { regen_torque_nm: bad, ..p }, "driver.torque.regen_torque_nm"),
+            (TorqueDriverParams { regen_power_w: bad, ..p }, "driver.torque.regen_power_w"),
+            (TorqueDriverParams { regen_fade_m_s: bad, ..p }, "driver.torque.regen_fade_m_s"),
+            (TorqueDriverParams { regen_fade_soc: bad, ..p }, "driver.torque.regen_fade_soc"),
+            (TorqueDriverParams { brake_limit_n: bad, ..p }, "driver.torque.brake_limit_n"),
+            (
+                TorqueDriverParams { current_rate_per_s: bad, ..p },
+                "driver.torque.current_rate_per_s",
+            ),
+        ] {
+            assert_eq!(refused(params), field);
+        }
+    }
+}

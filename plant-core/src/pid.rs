@@ -1,0 +1,400 @@
+//! PID controller: dead zone, output limits, anti-windup, smoothing.
+
+use crate::error::{ParamError, above, check, finite, not_negative, positive};
+use crate::model::{Dt, impl_model};
+use crate::num::{Accum, Real, clamp, lag_gain, sane};
+
+/// What is known about a PID controller. `Default` is that of the reference system, but for the
+/// anti-windup: K 1, no I, no D, no dead zone, no limits, smoothing 1e6 1/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct PidParams {
+    /// Proportional gain, finite.
+    pub proportional: Real,
+    /// Integral gain \[1/s\], ≥ 0.
+    pub integral_per_s: Real,
+    /// Derivative gain \[s\], ≥ 0.
+    pub derivative_s: Real,
+    /// Time constant that smooths the derivative \[s\], ≥ 0; 0 for none.
+    pub derivative_filter_s: Real,
+    /// What the derivative is taken of.
+    pub derivative_of: DerivativeOf,
+    /// Below this magnitude the raw output counts as zero, ≥ 0; 0 for no dead zone.
+    pub dead_zone: Real,
+    /// Lowest output; −infinity for none.
+    pub output_min: Real,
+    /// Highest output, above the lowest; infinity for none.
+    pub output_max: Real,
+    /// Rate at which the output follows its target \[1/s\], above zero.
+    pub smoothing_per_s: Real,
+    /// What the integral does in saturation.
+    pub anti_windup: AntiWindup,
+}
+
+impl Default for PidParams {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl PidParams {
+    /// The default, as a constant.
+    pub const DEFAULT: Self = Self {
+        proportional: 1.0,
+        integral_per_s: 0.0,
+        derivative_s: 0.0,
+        derivative_filter_s: 0.0,
+        derivative_of: DerivativeOf::Error,
+        dead_zone: 0.0,
+        output_min: -Real::INFINITY,
+        output_max: Real::INFINITY,
+        smoothing_per_s: 1e6,
+        anti_windup: AntiWindup::Directional,
+    };
+}
+
+/// What the derivative is taken of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum DerivativeOf {
+    /// Of the error: a step of the reference kicks.
+    #[default]
+    Error,
+    /// Of the measurement: it does not.
+    Measurement,
+}
+
+/// What the integral does in saturation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum AntiWindup {
+    /// It stands still (EPowertrain 2025, eq. 4.21 to 4.29).
+    Freeze,
+    /// It may move back out of saturation, and counts saturation further down the loop too
+    /// ([`Pid::feed_back`]).
+    #[default]
+    Directional,
+}
+
+/// A PID controller, discretised for one step.
+///
+/// `e = ref − in`, `raw = K·e + D·de/dt + ∫I·e dt`; within the dead zone the target is 0, beyond a
+/// limit the limit, else `raw`; the output follows the target, `d out/dt = Smt·(target − out)`
+/// (EPowertrain 2025, eq. 4.21 to 4.29). A sampled controller: it sees the state at the start of
+/// the step. The integral carries its gain, so gains can change without a bump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pid {
+    params: PidParams,
+    integral_gain: Real,
+    derivative_gain: Real,
+    derivative_k: Real,
+    smoothing_k: Real,
+}
+
+/// The state of a [`Pid`]; fresh by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PidState {
+    integral: Accum,
+    output: Accum,
+    /// What the derivative is taken of, at the last step; none at the first.
+    last: Option<Real>,
+    /// Smoothed difference per step.
+    difference: Accum,
+    /// Which way something further down the loop was saturated: its sign.
+    excess: Real,
+}
+
+impl PidState {
+    /// What the integral part contributes.
+    #[must_use]
+    pub const fn integral(&self) -> Real {
+        self.integral.get()
+    }
+
+    /// The output of the last step.
+    #[must_use]
+    pub const fn output(&self) -> Real {
+        self.output.get()
+    }
+
+    /// Forgets everything.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// What drives a [`Pid`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PidInput {
+    /// What the measurement should be.
+    pub reference: Real,
+    /// What it is.
+    pub measurement: Real,
+}
+
+/// What one step of a [`Pid`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PidOutput {
+    /// The output.
+    pub output: Real,
+    /// The output that it would have without limits, dead zone and smoothing.
+    pub raw: Real,
+    /// The raw output lies at or beyond a limit.
+    pub saturated: bool,
+    /// An input was not finite or absurd; the state is unchanged.
+    pub rejected: bool,
+}
+
+impl Pid {
+    /// Checks `params` and discretises them for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: PidParams, dt: Dt) -> Result<Self, ParamError> {
+        check!(finite("pid.proportional", params.proportional));
+        let filter_s = check!(not_negative("pid.derivative_filter_s", params.derivative_filter_s));
+        check!(not_negative("pid.dead_zone", params.dead_zone));
+        check!(above("pid.output_min", Real::INFINITY, params.output_min));
+        check!(above("pid.output_max", params.output_max, params.output_min));
+        let integral = check!(not_negative("pid.integral_per_s", params.integral_per_s));
+        let derivative_s = check!(not_negative("pid.derivative_s", params.derivative_s));
+        let smoothing = check!(positive("pid.smoothing_per_s", params.smoothing_per_s));
+        Ok(Self {
+            params,
+            integral_gain: integral * dt.s(),
+            derivative_gain: derivative_s / dt.s(),
+            derivative_k: if filter_s > 0.0 { lag_gain(dt.s() / filter_s) } else { 1.0 },
+            smoothing_k: lag_gain(dt.s() * smoothing),
+        })
+    }
+
+    const fn derivative_of(&self, input: PidInput) -> Real {
+        match self.params.derivative_of {
+            DerivativeOf::Error => input.reference - input.measurement,
+            DerivativeOf::Measurement => -input.measurement,
+        }
+    }
+
+    /// Sets the state so that the next step continues from `output` without a bump.
+    pub const fn preload(&self, state: &mut PidState, output: Real, input: PidInput) {
+        let error = input.reference - input.measurement;
+        let integral = output - self.params.proportional * error;
+        if sane(output) && sane(error) && sane(integral) {
+            *state = PidState {
+                integral: Accum::new(integral),
+                output: Accum::new(output),
+                last: Some(self.derivative_of(input)),
+                difference: Accum::new(0.0),
+                excess: 0.0,
+            };
+        }
+    }
+
+    /// Tells what became of the last output further down the loop (a duty that a battery limit
+    /// held back, say), so that the integral does not wind up against it.
+    #[inline]
+    pub const fn feed_back(&self, state: &mut PidState, applied: Real) {
+        state.excess = state.output.get() - applied;
+    }
+
+    /// Tells only which way something further down the loop is saturated: 1 up, −1 down, 0 not.
+    #[inline]
+    pub const fn saturate(state: &mut PidState, direction: Real) {
+        state.excess = direction;
+    }
+
+    /// Advances by one step.
+    #[inline]
+    pub fn step(&self, state: &mut PidState, input: PidInput) -> PidOutput {
+        let p = &self.params;
+        let error = input.reference - input.measurement;
+        if !sane(input.reference.abs() + input.measurement.abs()) {
+            let output = state.output.get();
+            return PidOutput { output, raw: output, saturated: false, rejected: true };
+        }
+        let mut raw = p.proportional * error + state.integral.get();
+        if self.derivative_gain > 0.0 {
+            let now = self.derivative_of(input);
+            let last = match state.last {
+                Some(last) => last,
+                None => now,
+            };
+            state.last = Some(now);
+            state.difference.add(self.derivative_k * (now - last - state.difference.get()));
+            raw += self.derivative_gain * state.difference.get();
+        }
+        let dead = raw.abs() < p.dead_zone;
+        let (high, low) = (raw >= p.output_max, raw <= p.output_min);
+        let target = if dead { 0.0 } else { clamp(raw, p.output_min, p.output_max) };
+
+        let increment = self.integral_gain * error;
+        let runs = match p.anti_windup {
+            AntiWindup::Freeze => !(high || low),
+            AntiWindup::Directional => {
+                let (high, low) = (high || state.excess > 0.0, low || state.excess < 0.0);
+                !(high && increment > 0.0 || low && increment < 0.0)
+            }
+        };
+        if runs && !dead && sane(state.integral.get() + increment) {
+            state.integral.add(increment);
+        }
+        state.output.add(self.smoothing_k * (target - state.output.get()));
+        PidOutput { output: state.output.get(), raw, saturated: high || low, rejected: false }
+    }
+}
+
+impl_model!(Pid, PidState, PidInput, PidOutput);
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const BASE: PidParams =
+        PidParams { proportional: 2.0, integral_per_s: 1.0, ..PidParams::DEFAULT };
+    const LIMITED: PidParams = PidParams { output_min: -0.5, output_max: 1.0, ..BASE };
+
+    fn pid(params: PidParams) -> Pid {
+        Pid::new(params, Dt::from_s(0.01).unwrap()).unwrap()
+    }
+
+    fn error(e: Real) -> PidInput {
+        PidInput { reference: e, measurement: 0.0 }
+    }
+
+    fn run(p: &Pid, s: &mut PidState, e: Real, steps: u32) -> PidOutput {
+        let mut out = p.step(s, error(e));
+        for _ in 1..steps {
+            out = p.step(s, error(e));
+        }
+        out
+    }
+
+    #[test]
+    fn adds_its_three_parts() {
+        let p = pid(PidParams { derivative_s: 0.5, ..BASE });
+        let mut s = PidState::default();
+        assert!((run(&p, &mut s, 0.1, 1).raw - 0.2).abs() < 1e-6, "no kick at the first step");
+        // P 2·0.2, I one step of 1·0.1·0.01, D 0.5·0.1/0.01
+        assert!((p.step(&mut s, error(0.2)).raw - (0.4 + 0.001 + 5.0)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn freeze_and_directional_differ_where_the_error_points_back() {
+        for (anti_windup, falls) in [(AntiWindup::Freeze, false), (AntiWindup::Directional, true)] {
+            let p = pid(PidParams { anti_windup, ..LIMITED });
+            let mut s = PidState { integral: Accum::new(3.0), ..PidState::default() };
+            assert!(run(&p, &mut s, 1.0, 100).saturated);
+            assert_eq!(s.integral(), 3.0, "further into saturation: neither");
+            run(&p, &mut s, -0.5, 100);
+            assert_eq!(s.integral() < 3.0, falls, "{anti_windup:?}");
+        }
+    }
+
+    #[test]
+    fn a_saturation_further_down_the_loop_stops_the_integral() {
+        let (p, mut s) = (pid(BASE), PidState::default());
+        run(&p, &mut s, 1.0, 10);
+        let before = s.integral();
+        for _ in 0..10 {
+            p.feed_back(&mut s, 0.3);
+            p.step(&mut s, error(1.0));
+        }
+        assert_eq!(s.integral(), before);
+        p.feed_back(&mut s, 0.3);
+        p.step(&mut s, error(-1.0));
+        assert!(s.integral() < before);
+    }
+
+    #[test]
+    fn limits_hold_and_a_dead_zone_silences() {
+        let (p, mut s) = (pid(LIMITED), PidState::default());
+        assert!((run(&p, &mut s, 5.0, 10).output - 1.0).abs() < 1e-4);
+        assert!((run(&p, &mut s, -5.0, 10).output + 0.5).abs() < 1e-4);
+        let (p, mut s) = (pid(PidParams { dead_zone: 0.1, ..BASE }), PidState::default());
+        let out = run(&p, &mut s, 0.04, 100);
+        assert!(out.output == 0.0 && s.integral() == 0.0);
+        assert!(run(&p, &mut s, 0.06, 1).output > 0.1);
+    }
+
+    #[test]
+    fn smoothing_is_a_lag_that_never_rings() {
+        let p = pid(PidParams { smoothing_per_s: 10.0, integral_per_s: 0.0, ..BASE });
+        let mut s = PidState::default();
+        let out = run(&p, &mut s, 1.0, 10).output;
+        let exact = 2.0 * (1.0 - Real::powi(1.0 / 1.1, 10));
+        assert!((out - exact).abs() < 1e-5);
+        let (p, mut s) = (pid(BASE), PidState::default());
+        assert!(run(&p, &mut s, 1.0, 1).output <= 2.0, "k < 1 at 1e6 1/s");
+    }
+
+    #[test]
+    fn the_derivative_on_measurement_does_not_kick_and_its_filter_smooths() {
+        let base = PidParams { derivative_s: 1.0, integral_per_s: 0.0, ..BASE };
+        let kick = |params| {
+            let (p, mut s) = (pid(params), PidState::default());
+            p.step(&mut s, error(0.0));
+            p.step(&mut s, error(1.0)).raw - 2.0
+        };
+        let on_measurement = PidParams { derivative_of: DerivativeOf::Measurement, ..base };
+        assert_eq!(kick(on_measurement), 0.0);
+        assert!((kick(base) - 100.0).abs() < 1e-3);
+        let filtered = kick(PidParams { derivative_filter_s: 0.09, ..base });
+        assert!((filtered - 10.0).abs() < 1e-3, "{filtered}");
+    }
+
+    #[test]
+    fn preload_is_bumpless_and_reset_forgets() {
+        let (p, mut s) = (pid(LIMITED), PidState::default());
+        p.preload(&mut s, 0.7, error(0.1));
+        let out = p.step(&mut s, error(0.1));
+        assert!((out.output - 0.7).abs() < 1e-5, "{}", out.output);
+        s.reset();
+        assert_eq!(s, PidState::default());
+        p.preload(&mut s, Real::NAN, error(0.1));
+        assert_eq!(s, PidState::default());
+    }
+
+    #[test]
+    fn bad_input_changes_nothing() {
+        let (p, mut s) = (pid(BASE), PidState::default());
+        run(&p, &mut s, 0.3, 5);
+        let before = s;
+        for bad in [Real::NAN, Real::INFINITY, 1e38] {
+            for (reference, measurement) in [(bad, 0.0), (0.0, bad)] {
+                let out = p.step(&mut s, PidInput { reference, measurement });
+                assert!(out.rejected && out.output == before.output() && s == before);
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| Pid::new(p, Dt::from_s(0.01).unwrap()).unwrap_err();
+        let bad = Real::NAN;
+        for (params, field) in [
+            (PidParams { proportional: bad, ..BASE }, "pid.proportional"),
+            (PidParams { integral_per_s: bad, ..BASE }, "pid.integral_per_s"),
+            (PidParams { derivative_s: -1.0, ..BASE }, "pid.derivative_s"),
+            (PidParams { derivative_filter_s: -1.0, ..BASE }, "pid.derivative_filter_s"),
+            (PidParams { dead_zone: -1.0, ..BASE }, "pid.dead_zone"),
+            (PidParams { output_min: bad, ..BASE }, "pid.output_min"),
+            (PidParams { output_min: 2.0, output_max: 1.0, ..BASE }, "pid.output_max"),
+            (PidParams { output_max: bad, ..BASE }, "pid.output_max"),
+            (PidParams { smoothing_per_s: 0.0, ..BASE }, "pid.smoothing_per_s"),
+        ] {
+            assert_eq!(refused(params).field(), field);
+        }
+    }
+}

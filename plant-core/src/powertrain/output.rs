@@ -1,0 +1,143 @@
+//! What a step of the plant says, powers included.
+
+use super::{Powertrain, PowertrainInput, PowertrainState, Solution, Start};
+use crate::energy::{Book, Flows};
+use crate::num::Real;
+use crate::port::Slip;
+
+/// Whether a battery limit changed the duty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Limited {
+    /// The duty is the commanded one.
+    #[default]
+    No,
+    /// The discharge limit, or what is left to discharge, held it back.
+    Discharge,
+    /// The charge limit, or what is left to charge, held it back.
+    Charge,
+}
+
+/// What one step of a [`Powertrain`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PowertrainOutput {
+    /// An input was not finite or absurd; the state is unchanged and nothing flowed.
+    pub rejected: bool,
+    /// The duty applied.
+    pub duty: Real,
+    /// Whether a battery limit changed it.
+    pub limited: Limited,
+    /// The battery could not even feed the auxiliary loads: they were cut off.
+    pub auxiliary_starved: bool,
+    /// Whether and which way the vehicle moves.
+    pub slip: Slip,
+    /// Speed \[m/s\].
+    pub speed_m_s: Real,
+    /// Distance \[m\].
+    pub distance_m: Real,
+    /// State of charge, 0..1.
+    pub soc: Real,
+    /// Battery current \[A\], positive when discharging.
+    pub battery_a: Real,
+    /// Voltage at the battery's terminals \[V\].
+    pub battery_v: Real,
+    /// The battery's open-circuit voltage over the step \[V\].
+    pub open_circuit_v: Real,
+    /// Winding current \[A\].
+    pub motor_a: Real,
+    /// Air-gap torque of the motor \[N·m\].
+    pub motor_nm: Real,
+    /// Motor speed \[rad/s\].
+    pub motor_rad_s: Real,
+    /// The power of every term of the energy ledger \[W\].
+    pub flows: Flows,
+}
+
+/// What the step booked beside the solution.
+pub(super) struct Loads {
+    pub auxiliary_w: Real,
+    pub converter_w: Real,
+    pub battery_a: Real,
+    pub rc_increment_v: Real,
+}
+
+impl<L: Book> Powertrain<L> {
+    /// Each power from the definitions of its component, at the end of the step, so that the
+    /// ledger checks the elimination and does not repeat it.
+    #[inline]
+    pub(super) fn flows(
+        &self,
+        state: &PowertrainState<L>,
+        input: &PowertrainInput,
+        start: &Start,
+        solution: &Solution,
+        open_circuit_v: Real,
+        loads: Loads,
+    ) -> Flows {
+        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
+        let w = self.motor_rad_per_m * v;
+        let way = v.abs();
+        let rc_v = state.battery.rc.voltage_v.get();
+        let (di, dv, dq) =
+            (solution.current_increment_a, solution.motion.increment_m_s, loads.rc_increment_v);
+        let rc = &self.battery.rc;
+        let electrochemical = open_circuit_v * loads.battery_a;
+        let bearing_n = (self.wheel.viscous_n_s_per_m + self.body.viscous_n_s_per_m) * v;
+        let gear_nm =
+            self.gearbox.loss_ratio * (self.motor.torque_nm_per_a * start.current_a).abs();
+        Flows {
+            electrochemical,
+            series_joule: self.battery.series_resistance_ohm * loads.battery_a * loads.battery_a,
+            polarisation_joule: rc_v * rc_v * rc.conductance_s,
+            converter: start.converter_ohm * i * i + loads.converter_w,
+            auxiliary: loads.auxiliary_w,
+            copper: self.motor.resistance_ohm * i * i,
+            conversion: (self.motor.back_emf_v_s_per_rad - self.motor.torque_nm_per_a) * w * i,
+            viscous: self.motor.viscous_nm_s_per_rad * w * w + bearing_n * v,
+            coulomb: self.motor.coulomb_nm * self.motor_rad_per_m * way,
+            gear: gear_nm * self.wheel.per_radius * way,
+            drag: start.resistance.drag_n_s_per_m * (v + input.road.headwind_m_s) * v,
+            rolling: self.body.rolling_n * input.road.grade.cos * way,
+            brake: input.road.brake_n * way,
+            potential: self.body.weight_n * input.road.grade.sin * v,
+            numerical: 0.5
+                * (self.motor.inductance_per_h_ohm * di * di
+                    + (self.moving_mass_kg * dv * dv + rc.capacitance_f * dq * dq) / self.dt_s),
+            throughput: electrochemical.abs(),
+        }
+    }
+
+    /// What a refused step says: the state as it was, and nothing flowing.
+    #[cold]
+    pub(super) fn rejected(
+        &self,
+        state: &PowertrainState<L>,
+        open_circuit_v: Real,
+    ) -> PowertrainOutput {
+        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
+        PowertrainOutput {
+            rejected: true,
+            duty: 0.0,
+            limited: Limited::No,
+            auxiliary_starved: false,
+            slip: if v > 0.0 {
+                Slip::Forward
+            } else if v < 0.0 {
+                Slip::Backward
+            } else {
+                Slip::Stuck
+            },
+            speed_m_s: v,
+            distance_m: state.body.distance_m.get(),
+            soc: state.battery.soc.get(),
+            battery_a: 0.0,
+            battery_v: state.battery_v,
+            open_circuit_v,
+            motor_a: i,
+            motor_nm: self.motor.torque_nm_per_a * i,
+            motor_rad_s: self.motor_rad_per_m * v,
+            flows: Flows::default(),
+        }
+    }
+}
