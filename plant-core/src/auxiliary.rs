@@ -79,6 +79,12 @@ impl Auxiliary {
         })
     }
 
+    /// Whether it draws nothing of its own.
+    #[inline]
+    pub(crate) const fn is_none(&self) -> bool {
+        self.power_w == 0.0 && self.conductance_s == 0.0
+    }
+
     /// The current of the constant power, `asked_w` more than the parameter, at `voltage_v`.
     #[inline]
     #[must_use]

@@ -3,7 +3,7 @@
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, GRAVITY_M_S2, Real, sane};
-use crate::port::{RoadLaw, Slip, project};
+use crate::port::{Coast, DriveLaw, Slip, project};
 use crate::slope::Grade;
 
 /// What is known about a vehicle's body.
@@ -29,13 +29,13 @@ pub struct BodyParams {
 pub enum RoadResistance {
     /// Drag `½·ρ·C_d·A_f·v²` and rolling resistance `C_r·M·g·cos α`.
     Physical {
-        /// Drag coefficient C_d, ≥ 0.
+        /// Drag coefficient `C_d`, ≥ 0.
         drag_coefficient: Real,
-        /// Frontal area A_f \[m²\], ≥ 0.
+        /// Frontal area `A_f` \[m²\], ≥ 0.
         frontal_area_m2: Real,
         /// Density of the air ρ \[kg/m³\], ≥ 0.
         air_density_kg_m3: Real,
-        /// Rolling resistance coefficient C_r, ≥ 0.
+        /// Rolling resistance coefficient `C_r`, ≥ 0.
         rolling_coefficient: Real,
     },
     /// Road load `A + B·v + C·v²` of a coast-down test.
@@ -52,17 +52,17 @@ pub enum RoadResistance {
 /// A body that moves along the road, discretised for one step.
 ///
 /// `M·dv/dt = F − ½·ρ·C_d·A_f·v·|v| − C_r·M·g·cos α·sgn(v) − M·g·sin α` (EPowertrain 2025,
-/// eq. 3.10 to 3.15; the print divides by A_f). Drag with wind w is taken as
+/// eq. 3.10 to 3.15; the print divides by `A_f`). Drag with wind w is taken as
 /// `c·|v + w|·(v' + w)`, v' the new speed; rolling resistance and brake are set-valued and
 /// projected once, so standstill is exact and holds on a slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     pub(crate) mass_kg: Real,
-    mass_per_h: Real,
+    pub(crate) coast: Coast,
     pub(crate) weight_n: Real,
     pub(crate) rolling_n: Real,
-    pub(crate) viscous_n_s_per_m: Real,
-    pub(crate) drag_n_s2_per_m2: Real,
+    drag_n_s2_per_m2: Real,
+    dt_s: Real,
 }
 
 /// The state of a [`Body`]; at rest by default.
@@ -131,10 +131,10 @@ pub struct Motion {
     pub slip: Slip,
 }
 
-/// The forces on the body that the increment does not know yet.
+/// The forces at the road that the increment does not know yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resistance {
-    /// Force on the body if the speed stayed as it is \[N\].
+    /// Force if the speed stayed as it is \[N\].
     pub force_n: Real,
     /// How much a speed increment lowers it, inertia included \[N·s/m\].
     pub slope_n_s_per_m: Real,
@@ -145,15 +145,15 @@ pub struct Resistance {
 }
 
 impl Resistance {
-    /// The speed increment once an axle's law is added.
+    /// The speed increment under a machine's law, seen from the road.
     #[inline]
     #[must_use]
-    pub fn solve(&self, axle: RoadLaw, speed_m_s: Real) -> Motion {
+    pub const fn solve(&self, drive: DriveLaw, speed_m_s: Real) -> Motion {
         let (increment_m_s, slip) = project(
             speed_m_s,
-            self.force_n + axle.force_n,
-            self.slope_n_s_per_m + axle.slope_n_s_per_m,
-            self.friction_n + axle.friction_n,
+            self.force_n + drive.effort,
+            self.slope_n_s_per_m + drive.slope,
+            self.friction_n,
         );
         Motion { increment_m_s, slip }
     }
@@ -190,26 +190,37 @@ impl Body {
         };
         Ok(Self {
             mass_kg,
-            mass_per_h: mass_kg / dt.s(),
+            coast: Coast {
+                inertia_per_h: mass_kg / dt.s(),
+                viscous: viscous_n_s_per_m,
+                coulomb: 0.0,
+            },
             weight_n,
             rolling_n,
-            viscous_n_s_per_m,
             drag_n_s2_per_m2,
+            dt_s: dt.s(),
         })
     }
 
-    /// What the body sets against an increment over one step.
+    /// Mass and viscous resistance, to join a chain.
+    #[must_use]
+    pub const fn coast(&self) -> Coast {
+        self.coast
+    }
+
+    /// What resists at the road over one step: air, slope, rolling, brake, and `coast`, all that
+    /// moves with the body and itself.
     #[inline]
     #[must_use]
-    pub const fn resistance(&self, road: &Road, speed_m_s: Real) -> Resistance {
+    pub const fn resistance(&self, road: &Road, coast: Coast, speed_m_s: Real) -> Resistance {
         let air_m_s = speed_m_s + road.headwind_m_s;
         let drag_n_s_per_m = self.drag_n_s2_per_m2 * air_m_s.abs();
         Resistance {
-            force_n: -drag_n_s_per_m * air_m_s
-                - self.viscous_n_s_per_m * speed_m_s
-                - self.weight_n * road.grade.sin,
-            slope_n_s_per_m: self.mass_per_h + self.viscous_n_s_per_m + drag_n_s_per_m,
-            friction_n: self.rolling_n * road.grade.cos + road.brake_n,
+            force_n: -(drag_n_s_per_m * air_m_s
+                + coast.viscous * speed_m_s
+                + self.weight_n * road.grade.sin),
+            slope_n_s_per_m: coast.slope() + drag_n_s_per_m,
+            friction_n: self.rolling_n * road.grade.cos + road.brake_n + coast.coulomb,
             drag_n_s_per_m,
         }
     }
@@ -229,10 +240,8 @@ impl Body {
     #[inline]
     pub fn step(&self, state: &mut BodyState, input: BodyInput) -> BodyOutput {
         let v = state.speed_m_s.get();
-        let dt_s = self.mass_kg / self.mass_per_h;
-        let resistance = self.resistance(&input.road, v);
-        let axle = RoadLaw { force_n: input.force_n, ..RoadLaw::default() };
-        let mut motion = resistance.solve(axle, v);
+        let resistance = self.resistance(&input.road, self.coast, v);
+        let mut motion = resistance.solve(DriveLaw { effort: input.force_n, slope: 0.0 }, v);
         let rejected = !(sane(input.force_n)
             && sane(input.road.magnitude())
             && input.road.brake_n >= 0.0
@@ -240,13 +249,13 @@ impl Body {
         if rejected {
             motion.increment_m_s = 0.0;
         } else {
-            Self::settle(state, motion, dt_s);
+            Self::settle(state, motion, self.dt_s);
         }
         let speed_m_s = state.speed_m_s.get();
         BodyOutput {
             speed_m_s,
             distance_m: state.distance_m.get(),
-            acceleration_m_s2: motion.increment_m_s / dt_s,
+            acceleration_m_s2: motion.increment_m_s / self.dt_s,
             drag_n: if rejected {
                 0.0
             } else {

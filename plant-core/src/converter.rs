@@ -92,6 +92,13 @@ impl Converter {
         Ok(Self { params })
     }
 
+    /// Whether it loses nothing at all.
+    #[inline]
+    pub(crate) const fn is_ideal(&self) -> bool {
+        let p = &self.params;
+        p.constant_loss_w == 0.0 && p.voltage_drop_v == 0.0 && p.resistance_ohm == 0.0
+    }
+
     /// The duty that the limit allows.
     #[inline]
     #[must_use]

@@ -3,7 +3,7 @@
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, sane};
-use crate::port::{Slip, Source, TorqueLaw, project};
+use crate::port::{Coast, DriveLaw, Slip, Source, project};
 
 /// What is known about a DC motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,16 +39,10 @@ pub struct DcMotorParams {
 /// set-valued, so standstill is exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DcMotor {
-    pub(crate) resistance_ohm: Real,
+    pub(crate) winding: Winding,
+    pub(crate) coast: Coast,
     pub(crate) inductance_h: Real,
-    pub(crate) inductance_per_h_ohm: Real,
-    pub(crate) back_emf_v_s_per_rad: Real,
-    pub(crate) torque_nm_per_a: Real,
     pub(crate) inertia_kg_m2: Real,
-    pub(crate) viscous_nm_s_per_rad: Real,
-    pub(crate) coulomb_nm: Real,
-    coast_slope: Real,
-    torque_emf: Real,
 }
 
 /// The state of a [`DcMotor`]; at rest by default.
@@ -101,21 +95,68 @@ pub struct DcMotorOutput {
     pub rejected: bool,
 }
 
-/// The winding within one step: `Δi = free_a − back_emf_s·Δω`.
+/// The electrical side of a motor, discretised for one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
-    /// Current increment if the speed stayed as it is \[A\].
-    pub free_a: Real,
-    /// How much a speed increment lowers it \[A·s/rad\].
-    pub per_speed_a_s: Real,
+    pub(crate) resistance_ohm: Real,
+    pub(crate) inductance_per_h_ohm: Real,
+    pub(crate) back_emf: Real,
+    pub(crate) effort_per_a: Real,
+    effort_emf: Real,
 }
 
-impl Winding {
+/// A winding's current within one step: `Δi = free_a − per_speed·Δω`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurrentLaw {
+    /// Current increment if the speed stayed as it is \[A\].
+    pub free_a: Real,
+    /// How much a speed increment lowers it.
+    pub per_speed: Real,
+}
+
+impl CurrentLaw {
     /// The current increment for the speed increment that the step found \[A\].
     #[inline]
     #[must_use]
-    pub const fn increment_a(self, speed_increment_rad_s: Real) -> Real {
-        self.free_a - self.per_speed_a_s * speed_increment_rad_s
+    pub const fn increment_a(self, speed_increment: Real) -> Real {
+        self.free_a - self.per_speed * speed_increment
+    }
+}
+
+impl Winding {
+    /// Seen from a place that moves by 1 where the shaft turns by `ratio`: a winding with both
+    /// constants `ratio` times as large.
+    #[must_use]
+    pub const fn reflected(self, ratio: Real) -> Self {
+        Self {
+            back_emf: self.back_emf * ratio,
+            effort_per_a: self.effort_per_a * ratio,
+            effort_emf: self.effort_emf * (ratio * ratio),
+            ..self
+        }
+    }
+
+    /// What the machine offers over one step on `source`, the winding eliminated, and the current
+    /// to settle once the speed increment is known.
+    #[inline]
+    #[must_use]
+    pub const fn law(
+        &self,
+        source: Source,
+        current_a: Real,
+        speed: Real,
+    ) -> (DriveLaw, CurrentLaw) {
+        let resistance_ohm = self.resistance_ohm + source.resistance_ohm;
+        let admittance_s = 1.0 / (self.inductance_per_h_ohm + resistance_ohm);
+        let free_a =
+            admittance_s * (source.emf_v - resistance_ohm * current_a - self.back_emf * speed);
+        (
+            DriveLaw {
+                effort: self.effort_per_a * (current_a + free_a),
+                slope: self.effort_emf * admittance_s,
+            },
+            CurrentLaw { free_a, per_speed: self.back_emf * admittance_s },
+        )
     }
 }
 
@@ -131,64 +172,48 @@ impl DcMotor {
         let j = check!(positive("motor.inertia_kg_m2", params.inertia_kg_m2));
         let b = check!(not_negative("motor.viscous_nm_s_per_rad", params.viscous_nm_s_per_rad));
         Ok(Self {
-            resistance_ohm: check!(positive("motor.resistance_ohm", params.resistance_ohm)),
+            winding: Winding {
+                resistance_ohm: check!(positive("motor.resistance_ohm", params.resistance_ohm)),
+                inductance_per_h_ohm: inductance_h / dt.s(),
+                back_emf: ke,
+                effort_per_a: kt,
+                effort_emf: kt * ke,
+            },
+            coast: Coast {
+                inertia_per_h: j / dt.s(),
+                viscous: b,
+                coulomb: check!(not_negative("motor.coulomb_nm", params.coulomb_nm)),
+            },
             inductance_h,
-            inductance_per_h_ohm: inductance_h / dt.s(),
-            back_emf_v_s_per_rad: ke,
-            torque_nm_per_a: kt,
             inertia_kg_m2: j,
-            viscous_nm_s_per_rad: b,
-            coulomb_nm: check!(not_negative("motor.coulomb_nm", params.coulomb_nm)),
-            coast_slope: b + j / dt.s(),
-            torque_emf: kt * ke,
         })
     }
 
-    /// The shaft of a motor whose winding carries no torque: rotor and friction alone.
-    #[inline]
+    /// The electrical side, to join a chain.
     #[must_use]
-    pub const fn coast_law(&self, current_a: Real, speed_rad_s: Real) -> TorqueLaw {
-        TorqueLaw {
-            torque_nm: -self.viscous_nm_s_per_rad * speed_rad_s,
-            slope_nm_s_per_rad: self.coast_slope,
-            friction_nm: self.coulomb_nm,
-            carried_nm: self.torque_nm_per_a * current_a,
-        }
+    pub const fn winding(&self) -> &Winding {
+        &self.winding
     }
 
-    /// What the shaft offers over one step on `source`, the winding eliminated, and the winding
-    /// to settle once the speed increment is known.
-    #[inline]
+    /// Rotor and friction, to join a chain.
     #[must_use]
-    pub const fn law(
-        &self,
-        source: Source,
-        current_a: Real,
-        speed_rad_s: Real,
-    ) -> (TorqueLaw, Winding) {
-        let resistance_ohm = self.resistance_ohm + source.resistance_ohm;
-        let admittance_s = 1.0 / (self.inductance_per_h_ohm + resistance_ohm);
-        let drive_v =
-            source.emf_v - resistance_ohm * current_a - self.back_emf_v_s_per_rad * speed_rad_s;
-        let free_a = admittance_s * drive_v;
-        let coast = self.coast_law(current_a, speed_rad_s);
-        let law = TorqueLaw {
-            torque_nm: coast.torque_nm + coast.carried_nm + self.torque_nm_per_a * free_a,
-            slope_nm_s_per_rad: coast.slope_nm_s_per_rad + self.torque_emf * admittance_s,
-            ..coast
-        };
-        (law, Winding { free_a, per_speed_a_s: self.back_emf_v_s_per_rad * admittance_s })
+    pub const fn coast(&self) -> Coast {
+        self.coast
     }
 
     /// Advances by one step with a free shaft under a load torque.
     #[inline]
     pub fn step(&self, state: &mut DcMotorState, input: DcMotorInput) -> DcMotorOutput {
         let (i, w) = (state.current_a.get(), state.speed_rad_s.get());
-        let (law, winding) = self.law(Source::stiff(input.voltage_v), i, w);
-        let (dw, slip) =
-            project(w, law.torque_nm - input.load_nm, law.slope_nm_s_per_rad, law.friction_nm);
+        let (law, current) = self.winding.law(Source::stiff(input.voltage_v), i, w);
+        let (dw, slip) = project(
+            w,
+            law.effort - self.coast.viscous * w - input.load_nm,
+            law.slope + self.coast.slope(),
+            self.coast.coulomb,
+        );
         let valid = sane(input.voltage_v) && sane(input.load_nm);
-        self.settle(state, winding.increment_a(dw), dw, slip, valid)
+        self.settle(state, current.increment_a(dw), dw, slip, valid)
     }
 
     /// Advances by one step while something else imposes the speed.
@@ -199,7 +224,7 @@ impl DcMotor {
         input: DcMotorSpeedInput,
     ) -> DcMotorOutput {
         let (i, w) = (state.current_a.get(), state.speed_rad_s.get());
-        let (_, winding) = self.law(Source::stiff(input.voltage_v), i, w);
+        let (_, current) = self.winding.law(Source::stiff(input.voltage_v), i, w);
         let dw = input.speed_rad_s - w;
         let slip = if input.speed_rad_s > 0.0 {
             Slip::Forward
@@ -209,7 +234,7 @@ impl DcMotor {
             Slip::Stuck
         };
         let valid = sane(input.voltage_v) && sane(input.speed_rad_s);
-        self.settle(state, winding.increment_a(dw), dw, slip, valid)
+        self.settle(state, current.increment_a(dw), dw, slip, valid)
     }
 
     #[inline]
@@ -232,16 +257,15 @@ impl DcMotor {
             }
         }
         let (current_a, speed_rad_s) = (state.current_a.get(), state.speed_rad_s.get());
-        let torque_nm = self.torque_nm_per_a * current_a;
-        let friction_nm = self.viscous_nm_s_per_rad * speed_rad_s + self.coulomb_nm * slip.sign();
-        let inertia_nm = (self.coast_slope - self.viscous_nm_s_per_rad) * dw;
+        let torque_nm = self.winding.effort_per_a * current_a;
+        let friction_nm = self.coast.viscous * speed_rad_s + self.coast.coulomb * slip.sign();
         DcMotorOutput {
             current_a,
             speed_rad_s,
             torque_nm,
-            shaft_nm: torque_nm - friction_nm - inertia_nm,
-            back_emf_v: self.back_emf_v_s_per_rad * speed_rad_s,
-            copper_w: self.resistance_ohm * current_a * current_a,
+            shaft_nm: torque_nm - friction_nm - self.coast.inertia_per_h * dw,
+            back_emf_v: self.winding.back_emf * speed_rad_s,
+            copper_w: self.winding.resistance_ohm * current_a * current_a,
             friction_w: (friction_nm * speed_rad_s).abs(),
             rejected,
         }

@@ -1,8 +1,9 @@
 //! Drivers: from a speed reference to a duty and a brake force.
 
+use crate::converter::DROP_FADE_A;
 use crate::error::{ParamError, check, limit, not_negative, positive};
 use crate::model::{Dt, Model};
-use crate::num::{Real, clamp, lag_gain, max, min, sign};
+use crate::num::{Real, clamp, lag_gain, max, sane};
 use crate::pid::{Pid, PidInput, PidParams, PidState};
 use crate::powertrain::{Limited, PowertrainOutput, PowertrainParams};
 
@@ -133,9 +134,9 @@ pub struct TorqueDriver {
     per_motor_rad_m: Real,
     mass_kg: Real,
     torque_nm_per_a: Real,
-    a_per_nm: Real,
-    back_emf_v_s_per_rad: Real,
-    series_ohm: Real,
+    /// The current controller's voltage per commanded torque \[V/(N·m)\].
+    v_per_nm: Real,
+    back_emf_v_s_per_m: Real,
     drop_v: Real,
     current_gain_ohm: Real,
     per_regen_fade_s_per_m: Real,
@@ -161,7 +162,7 @@ impl Driver {
     }
 
     /// Decides on one step.
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
         match self {
             Self::Duty(pid) => {
@@ -214,6 +215,8 @@ impl TorqueDriver {
         let kt = check!(positive("motor.torque_nm_per_a", vehicle.motor.torque_nm_per_a));
         let motor_rad_per_m = ratio / radius_m;
         let inertia = vehicle.motor.inertia_kg_m2 + vehicle.gearbox.inertia_kg_m2;
+        // At most L/h, so that the loop is stable at any step.
+        let current_gain_ohm = vehicle.motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s());
         Ok(Self {
             speed: check!(Pid::new(params.speed, dt)),
             motor_rad_per_m,
@@ -222,12 +225,13 @@ impl TorqueDriver {
                 + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
                 + inertia * motor_rad_per_m * motor_rad_per_m,
             torque_nm_per_a: kt,
-            a_per_nm: 1.0 / kt,
-            back_emf_v_s_per_rad: vehicle.motor.back_emf_v_s_per_rad,
-            series_ohm: vehicle.motor.resistance_ohm + vehicle.converter.resistance_ohm,
+            v_per_nm: (current_gain_ohm
+                + vehicle.motor.resistance_ohm
+                + vehicle.converter.resistance_ohm)
+                / kt,
+            back_emf_v_s_per_m: vehicle.motor.back_emf_v_s_per_rad * motor_rad_per_m,
             drop_v: vehicle.converter.voltage_drop_v,
-            // At most L/h, so that the loop is stable at any step.
-            current_gain_ohm: vehicle.motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s()),
+            current_gain_ohm,
             per_regen_fade_s_per_m: 1.0 / fade_m_s,
             per_regen_fade_soc: 1.0 / fade_soc,
             params,
@@ -235,7 +239,7 @@ impl TorqueDriver {
     }
 
     /// The torque limits at a motor speed, in the direction of motion: (regeneration, drive).
-    #[inline]
+    #[inline(always)]
     fn torque_limits_nm(&self, motor_rad_s: Real, speed_m_s: Real, soc: Real) -> (Real, Real) {
         let p = &self.params;
         let within = |torque_nm: Real, power_w: Real| {
@@ -250,58 +254,76 @@ impl TorqueDriver {
     }
 
     /// Decides on one step.
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
         let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
         let v = vehicle.speed_m_s;
         let standing = reference_m_s.abs() + v.abs() < STANDSTILL_M_S;
+        // What does not wait for the speed controller: limits, back-EMF, voltage.
+        let forward = if v == 0.0 { reference_m_s >= 0.0 } else { v > 0.0 };
+        let speed = v.abs();
+        let (regen_nm, drive_nm) =
+            self.torque_limits_nm(self.motor_rad_per_m * speed, speed, vehicle.soc);
+        let (low_nm, high_nm) = if forward { (-regen_nm, drive_nm) } else { (-drive_nm, regen_nm) };
+        let i = vehicle.motor_a;
+        let idle_v = self.back_emf_v_s_per_m * v - self.current_gain_ohm * i
+            + self.drop_v * i / (i.abs() + DROP_FADE_A);
+        let per_v = 1.0 / max(vehicle.battery_v, 1.0);
+
         let controller = self
             .speed
             .step(&mut state.speed, PidInput { reference: reference_m_s, measurement: v });
         let force_n = controller.output + self.mass_kg * reference_m_s2;
-        let way = if v == 0.0 { sign(reference_m_s) } else { sign(v) };
-        let motor_rad_s = self.motor_rad_per_m * v;
-
-        // Torques and forces from here on count in the direction of motion.
-        let wanted_nm = way * force_n * self.per_motor_rad_m;
-        let (regen_nm, drive_nm) = self.torque_limits_nm(motor_rad_s.abs(), v.abs(), vehicle.soc);
-        let command_nm = if standing { 0.0 } else { clamp(wanted_nm, -regen_nm, drive_nm) };
-        let mut brake_nm = max(command_nm - wanted_nm, 0.0);
-        if vehicle.limited && wanted_nm < 0.0 {
-            // The battery refused part of the regeneration: what the motor does not give.
-            let given_nm = way * self.torque_nm_per_a * vehicle.motor_a;
-            brake_nm += max(given_nm - command_nm, 0.0);
+        let wanted_nm = force_n * self.per_motor_rad_m;
+        let mut command_nm = clamp(wanted_nm, low_nm, high_nm);
+        let mut brake_n = 0.0;
+        if command_nm != wanted_nm || standing || vehicle.limited || state.speed.held_back() {
+            if standing {
+                command_nm = 0.0;
+            }
+            brake_n = self.blend(state, &vehicle, forward, standing, wanted_nm, command_nm);
         }
-        let demand_n = brake_nm * self.motor_rad_per_m;
-        let brake_n = if standing {
-            self.params.brake_limit_n
-        } else {
-            min(demand_n, self.params.brake_limit_n)
-        };
+        let duty = (self.v_per_nm * command_nm + idle_v) * per_v;
 
-        if standing {
-            state.speed.reset();
-        } else if wanted_nm > drive_nm {
-            Pid::saturate(&mut state.speed, way);
-        } else if demand_n > self.params.brake_limit_n {
-            Pid::saturate(&mut state.speed, -way);
-        } else {
-            Pid::saturate(&mut state.speed, 0.0);
-        }
-
-        let current_a = way * command_nm * self.a_per_nm;
-        let winding_v = self.series_ohm * current_a
-            + self.drop_v * sign(current_a)
-            + self.back_emf_v_s_per_rad * motor_rad_s
-            + self.current_gain_ohm * (current_a - vehicle.motor_a);
-        let duty = winding_v / max(vehicle.battery_v, 1.0);
         let sound =
-            !controller.rejected && crate::num::sane(duty.abs() + brake_n.abs() + force_n.abs());
+            !controller.rejected && sane(duty.abs() + brake_n + force_n.abs() + vehicle.soc.abs());
         if sound {
             state.last_duty = duty;
             state.last_brake_n = brake_n;
         }
         DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
+    }
+
+    /// The friction brake \[N\]: what braking the motor may not do, or what the battery does not
+    /// let it do; and what a limit means for the speed controller.
+    fn blend(
+        &self,
+        state: &mut DriverState,
+        vehicle: &Feedback,
+        forward: bool,
+        standing: bool,
+        wanted_nm: Real,
+        command_nm: Real,
+    ) -> Real {
+        if standing {
+            state.speed.reset();
+            return self.params.brake_limit_n;
+        }
+        let way = if forward { 1.0 } else { -1.0 };
+        let mut short_nm = way * (command_nm - wanted_nm);
+        if vehicle.limited && way * wanted_nm < 0.0 {
+            short_nm += max(way * (self.torque_nm_per_a * vehicle.motor_a - command_nm), 0.0);
+        }
+        let demand_n = short_nm * self.motor_rad_per_m;
+        let direction = if demand_n < 0.0 {
+            way // the drive gives less than wanted
+        } else if demand_n > self.params.brake_limit_n {
+            -way // even the brake does
+        } else {
+            0.0
+        };
+        Pid::saturate(&mut state.speed, direction);
+        clamp(demand_n, 0.0, self.params.brake_limit_n)
     }
 }
 
@@ -309,6 +331,7 @@ impl TorqueDriver {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::num::min;
     use crate::powertrain::{Powertrain, PowertrainInput};
     use crate::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS, Vehicle};
 

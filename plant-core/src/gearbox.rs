@@ -3,7 +3,7 @@
 use crate::error::{ParamError, check, efficiency, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Real, sane};
-use crate::port::TorqueLaw;
+use crate::port::Coast;
 
 /// What is known about a gearbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,17 +85,17 @@ impl Gearbox {
         })
     }
 
-    /// What the wheel's shaft offers, given the motor's.
-    #[inline]
+    /// What resists at the wheel's shaft, given what does at the motor's.
     #[must_use]
-    pub const fn law(&self, motor: TorqueLaw) -> TorqueLaw {
-        TorqueLaw {
-            torque_nm: self.ratio * motor.torque_nm,
-            slope_nm_s_per_rad: self.ratio_squared
-                * (motor.slope_nm_s_per_rad + self.inertia_per_h),
-            friction_nm: self.ratio * motor.friction_nm + self.loss_ratio * motor.carried_nm.abs(),
-            carried_nm: self.ratio * motor.carried_nm,
-        }
+    pub const fn coast(&self, motor: Coast) -> Coast {
+        let gears = Coast { inertia_per_h: self.inertia_per_h, viscous: 0.0, coulomb: 0.0 };
+        motor.plus(gears).reflected(self.ratio)
+    }
+
+    /// The loss as friction at the wheel's shaft, per torque of the motor's.
+    #[must_use]
+    pub const fn loss_ratio(&self) -> Real {
+        self.loss_ratio
     }
 
     /// Advances by one step on its own, the wheel's speed imposed.
@@ -152,13 +152,16 @@ mod tests {
     }
 
     #[test]
-    fn the_law_says_the_same_as_the_step() {
+    fn its_coast_says_the_same_as_the_step() {
         let (g, mut s) = (gearbox(PARAMS), 20.0);
-        let motor = TorqueLaw { torque_nm: 80.0, carried_nm: 80.0, ..TorqueLaw::default() };
-        let law = g.law(motor);
+        let coast = g.coast(Coast { inertia_per_h: 0.1, viscous: 0.01, coulomb: 0.3 });
         let out = g.step(&mut s, GearboxInput { motor_nm: 80.0, wheel_rad_s: 20.5 });
-        let by_law = law.torque_nm - law.slope_nm_s_per_rad * 0.5 - law.friction_nm;
-        assert!((by_law - out.wheel_nm).abs() < 1e-2, "{by_law} {}", out.wheel_nm);
+        let by_coast = 9.665 * 80.0
+            - (coast.inertia_per_h - 0.1 * 9.665 * 9.665) * 0.5
+            - g.loss_ratio() * 80.0;
+        assert!((by_coast - out.wheel_nm).abs() < 1e-2, "{by_coast} {}", out.wheel_nm);
+        assert!((coast.viscous - 0.01 * 9.665 * 9.665).abs() < 1e-5);
+        assert!((coast.coulomb - 0.3 * 9.665).abs() < 1e-5);
     }
 
     #[test]

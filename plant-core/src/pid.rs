@@ -1,8 +1,8 @@
 //! PID controller: dead zone, output limits, anti-windup, smoothing.
 
-use crate::error::{ParamError, above, check, finite, not_negative, positive};
+use crate::error::{ParamError, above, check, finite, limit, not_negative};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, Real, clamp, lag_gain, sane};
+use crate::num::{Accum, LARGEST_PARAM, Real, clamp, lag_gain, sane};
 
 /// What is known about a PID controller. `Default` is that of the reference system, but for the
 /// anti-windup: K 1, no I, no D, no dead zone, no limits, smoothing 1e6 1/s.
@@ -30,7 +30,7 @@ pub struct PidParams {
     pub output_min: Real,
     /// Highest output, above the lowest; infinity for none.
     pub output_max: Real,
-    /// Rate at which the output follows its target \[1/s\], above zero.
+    /// Rate at which the output follows its target \[1/s\], above zero; infinity for at once.
     pub smoothing_per_s: Real,
     /// What the integral does in saturation.
     pub anti_windup: AntiWindup,
@@ -127,6 +127,12 @@ impl PidState {
         self.output.get()
     }
 
+    /// Whether it was told of a saturation further down the loop.
+    #[inline]
+    pub(crate) const fn held_back(&self) -> bool {
+        self.excess != 0.0
+    }
+
     /// Forgets everything.
     pub fn reset(&mut self) {
         *self = Self::default();
@@ -169,13 +175,13 @@ impl Pid {
         check!(above("pid.output_max", params.output_max, params.output_min));
         let integral = check!(not_negative("pid.integral_per_s", params.integral_per_s));
         let derivative_s = check!(not_negative("pid.derivative_s", params.derivative_s));
-        let smoothing = check!(positive("pid.smoothing_per_s", params.smoothing_per_s));
+        let smoothing = check!(limit("pid.smoothing_per_s", params.smoothing_per_s));
         Ok(Self {
             params,
             integral_gain: integral * dt.s(),
             derivative_gain: derivative_s / dt.s(),
             derivative_k: if filter_s > 0.0 { lag_gain(dt.s() / filter_s) } else { 1.0 },
-            smoothing_k: lag_gain(dt.s() * smoothing),
+            smoothing_k: if smoothing < LARGEST_PARAM { lag_gain(dt.s() * smoothing) } else { 1.0 },
         })
     }
 
@@ -215,7 +221,7 @@ impl Pid {
     }
 
     /// Advances by one step.
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, state: &mut PidState, input: PidInput) -> PidOutput {
         let p = &self.params;
         let error = input.reference - input.measurement;
@@ -234,11 +240,38 @@ impl Pid {
             state.difference.add(self.derivative_k * (now - last - state.difference.get()));
             raw += self.derivative_gain * state.difference.get();
         }
-        let dead = raw.abs() < p.dead_zone;
-        let (high, low) = (raw >= p.output_max, raw <= p.output_min);
-        let target = if dead { 0.0 } else { clamp(raw, p.output_min, p.output_max) };
-
         let increment = self.integral_gain * error;
+        let free = raw < p.output_max && raw > p.output_min && raw.abs() >= p.dead_zone;
+        let target = if free && state.excess == 0.0 {
+            Self::integrate(state, increment);
+            raw
+        } else {
+            self.held_target(state, raw, increment)
+        };
+        if self.smoothing_k < 1.0 {
+            state.output.add(self.smoothing_k * (target - state.output.get()));
+        } else {
+            state.output = Accum::new(target);
+        }
+        let saturated = raw >= p.output_max || raw <= p.output_min;
+        PidOutput { output: state.output.get(), raw, saturated, rejected: false }
+    }
+
+    #[inline(always)]
+    fn integrate(state: &mut PidState, increment: Real) {
+        if sane(state.integral.get() + increment) {
+            state.integral.add(increment);
+        }
+    }
+
+    /// The target within the dead zone or in saturation, here or further down the loop.
+    #[cold]
+    fn held_target(&self, state: &mut PidState, raw: Real, increment: Real) -> Real {
+        let p = &self.params;
+        if raw.abs() < p.dead_zone {
+            return 0.0;
+        }
+        let (high, low) = (raw >= p.output_max, raw <= p.output_min);
         let runs = match p.anti_windup {
             AntiWindup::Freeze => !(high || low),
             AntiWindup::Directional => {
@@ -246,11 +279,10 @@ impl Pid {
                 !(high && increment > 0.0 || low && increment < 0.0)
             }
         };
-        if runs && !dead && sane(state.integral.get() + increment) {
-            state.integral.add(increment);
+        if runs {
+            Self::integrate(state, increment);
         }
-        state.output.add(self.smoothing_k * (target - state.output.get()));
-        PidOutput { output: state.output.get(), raw, saturated: high || low, rejected: false }
+        clamp(raw, p.output_min, p.output_max)
     }
 }
 
@@ -336,7 +368,10 @@ mod tests {
         let exact = 2.0 * (1.0 - Real::powi(1.0 / 1.1, 10));
         assert!((out - exact).abs() < 1e-5);
         let (p, mut s) = (pid(BASE), PidState::default());
-        assert!(run(&p, &mut s, 1.0, 1).output <= 2.0, "k < 1 at 1e6 1/s");
+        assert!(run(&p, &mut s, 1.0, 1).output < 2.0, "k < 1 at 1e6 1/s");
+        let at_once = PidParams { smoothing_per_s: Real::INFINITY, ..BASE };
+        let (p, mut s) = (pid(at_once), PidState::default());
+        assert_eq!(run(&p, &mut s, 1.0, 1).output, 2.0);
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! What components say to each other within a step.
 //!
 //! Going down the chain, each component offers the next one a straight line: how its answer
-//! depends on the increment that is not known yet. The vehicle at the end solves one equation;
-//! going back, each component settles its own state. A new machine, axle or source joins by
-//! giving the same line.
+//! depends on the increment that is not known yet ([`Source`], [`DriveLaw`]). The vehicle at the end
+//! solves one equation; going back, each component settles its own state. What resists the same
+//! way in every step ([`Coast`]) is composed down the same chain once, when the plant is made. A
+//! new machine, axle or source joins by giving the same line.
 
 use crate::num::Real;
 
@@ -44,41 +45,67 @@ impl Source {
     }
 }
 
-/// What a shaft offers over one step: `T = torque_nm − slope·Δω`, Δω the shaft's speed increment.
+/// What a machine offers over one step, its own state eliminated: `effort − slope·Δ`, Δ the
+/// increment of the speed. At a shaft the effort is a torque \[N·m\] over rad/s; seen from the
+/// road ([`Winding::reflected`](crate::dc_motor::Winding::reflected)) a force \[N\] over m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TorqueLaw {
-    /// Torque if the speed stayed as it is \[N·m\]; inertia and viscous friction included.
-    pub torque_nm: Real,
-    /// How much a speed increment lowers it \[N·m·s/rad\].
-    pub slope_nm_s_per_rad: Real,
-    /// Coulomb friction behind this shaft \[N·m\], ≥ 0; projected once, at the vehicle.
-    pub friction_nm: Real,
-    /// Torque that the shaft carried at the start of the step \[N·m\], for load-dependent losses.
-    pub carried_nm: Real,
+pub struct DriveLaw {
+    /// Torque or force if the speed stayed as it is.
+    pub effort: Real,
+    /// How much a speed increment lowers it.
+    pub slope: Real,
 }
 
-/// What an axle offers at the road over one step: `F = force_n − slope·Δv`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RoadLaw {
-    /// Force if the speed stayed as it is \[N\].
-    pub force_n: Real,
-    /// How much a speed increment lowers it \[N·s/m\].
-    pub slope_n_s_per_m: Real,
-    /// Coulomb friction seen at the road \[N\], ≥ 0.
-    pub friction_n: Real,
-}
-
-impl core::ops::Add for RoadLaw {
+impl core::ops::Add for DriveLaw {
     type Output = Self;
 
-    /// Two axles at the same road.
+    /// Two machines on the same shaft, or two axles on the same road.
     #[inline]
     fn add(self, other: Self) -> Self {
+        Self { effort: self.effort + other.effort, slope: self.slope + other.slope }
+    }
+}
+
+/// What resists on a shaft or at the road whatever drives it. It does not change from step to
+/// step, so a chain of components adds it up once, when the plant is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coast {
+    /// Inertia over the step \[kg·m²/s\] or \[kg/s\].
+    pub inertia_per_h: Real,
+    /// Viscous friction \[N·m·s/rad\] or \[N·s/m\].
+    pub viscous: Real,
+    /// Coulomb friction \[N·m\] or \[N\]; projected once, at the end of the chain.
+    pub coulomb: Real,
+}
+
+impl Coast {
+    /// Both on the same shaft.
+    #[inline]
+    #[must_use]
+    pub const fn plus(self, other: Self) -> Self {
         Self {
-            force_n: self.force_n + other.force_n,
-            slope_n_s_per_m: self.slope_n_s_per_m + other.slope_n_s_per_m,
-            friction_n: self.friction_n + other.friction_n,
+            inertia_per_h: self.inertia_per_h + other.inertia_per_h,
+            viscous: self.viscous + other.viscous,
+            coulomb: self.coulomb + other.coulomb,
         }
+    }
+
+    /// Seen from a place that moves by 1 where this shaft turns by `ratio`.
+    #[inline]
+    #[must_use]
+    pub const fn reflected(self, ratio: Real) -> Self {
+        Self {
+            inertia_per_h: self.inertia_per_h * (ratio * ratio),
+            viscous: self.viscous * (ratio * ratio),
+            coulomb: self.coulomb * ratio,
+        }
+    }
+
+    /// How much a speed increment is resisted: inertia and viscous friction.
+    #[inline]
+    #[must_use]
+    pub const fn slope(self) -> Real {
+        self.inertia_per_h + self.viscous
     }
 }
 
@@ -121,12 +148,13 @@ pub const fn project(x: Real, force: Real, slope: Real, friction: Real) -> (Real
     let free = force * mobility;
     let grip = friction * mobility;
     let reached = x + free;
-    if reached > grip {
-        (free - grip, Slip::Forward)
-    } else if reached < -grip {
+    if reached.abs() <= grip {
+        (-x, Slip::Stuck)
+    } else if reached < 0.0 {
         (free + grip, Slip::Backward)
     } else {
-        (-x, Slip::Stuck)
+        // Also where a force is not a number, so that the caller sees it.
+        (free - grip, Slip::Forward)
     }
 }
 
@@ -159,8 +187,12 @@ mod tests {
     }
 
     #[test]
-    fn axles_add() {
-        let a = RoadLaw { force_n: 1.0, slope_n_s_per_m: 2.0, friction_n: 3.0 };
-        assert_eq!(a + a, RoadLaw { force_n: 2.0, slope_n_s_per_m: 4.0, friction_n: 6.0 });
+    fn axles_add_and_shafts_reflect() {
+        let a = DriveLaw { effort: 1.0, slope: 2.0 };
+        assert_eq!(a + a, DriveLaw { effort: 2.0, slope: 4.0 });
+        let shaft = Coast { inertia_per_h: 3.0, viscous: 0.5, coulomb: 1.5 };
+        let road = shaft.plus(shaft).reflected(10.0);
+        assert_eq!(road, Coast { inertia_per_h: 600.0, viscous: 100.0, coulomb: 30.0 });
+        assert_eq!(road.slope(), 700.0);
     }
 }

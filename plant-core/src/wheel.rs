@@ -3,7 +3,7 @@
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Real, sane};
-use crate::port::{RoadLaw, TorqueLaw};
+use crate::port::Coast;
 
 /// What is known about the wheels of an axle, taken together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,17 +86,14 @@ impl Wheel {
         self.per_radius * speed_m_s
     }
 
-    /// What the axle offers at the road, given its shaft.
-    #[inline]
+    /// What resists at the road, given what does at the axle.
     #[must_use]
-    pub const fn law(&self, axle: TorqueLaw, speed_m_s: Real) -> RoadLaw {
-        let per_radius_squared = self.per_radius * self.per_radius;
-        RoadLaw {
-            force_n: self.per_radius * axle.torque_nm - self.viscous_n_s_per_m * speed_m_s,
-            slope_n_s_per_m: per_radius_squared * axle.slope_nm_s_per_rad
-                + (self.mass_per_h + self.viscous_n_s_per_m),
-            friction_n: self.per_radius * axle.friction_nm,
-        }
+    pub const fn coast(&self, axle: Coast) -> Coast {
+        axle.reflected(self.per_radius).plus(Coast {
+            inertia_per_h: self.mass_per_h,
+            viscous: self.viscous_n_s_per_m,
+            coulomb: 0.0,
+        })
     }
 
     /// Advances by one step on its own, the road's speed imposed.
@@ -141,14 +138,13 @@ mod tests {
     }
 
     #[test]
-    fn the_law_says_the_same_as_the_step() {
+    fn its_coast_says_the_same_as_the_step() {
         let (w, mut s) = (wheel(PARAMS), 20.0);
-        let axle = TorqueLaw { torque_nm: 300.0, friction_nm: 7.0, ..TorqueLaw::default() };
-        let law = w.law(axle, 20.0);
+        let coast = w.coast(Coast { inertia_per_h: 0.0, viscous: 0.0, coulomb: 7.0 });
         let out = w.step(&mut s, WheelInput { axle_nm: 300.0, speed_m_s: 20.1 });
-        let by_law = law.force_n - law.slope_n_s_per_m * 0.1;
-        assert!((by_law - out.force_n).abs() < 0.01, "{by_law} {}", out.force_n);
-        assert!((law.friction_n - 20.0).abs() < 1e-4);
+        let by_coast = 300.0 / 0.35 - coast.inertia_per_h * 0.1 - coast.viscous * 20.1;
+        assert!((by_coast - out.force_n).abs() < 0.01, "{by_coast} {}", out.force_n);
+        assert!((coast.coulomb - 20.0).abs() < 1e-4);
     }
 
     #[test]

@@ -163,11 +163,30 @@ impl Battery {
         }
     }
 
-    /// Books one step under `current_a`, which the limits allow.
+    /// The state after one step under `current_a`, whatever the limits say.
+    #[inline]
+    #[must_use]
+    pub const fn next(&self, state: &BatteryState, current_a: Real) -> BatteryState {
+        let mut next = *state;
+        next.rc.voltage_v.add(self.rc.increment_v(&state.rc, current_a));
+        next.soc.add(-(current_a * self.soc_per_a));
+        next
+    }
+
+    /// Whether a step under `current_a` that leads to `next` keeps every limit.
+    #[inline]
+    #[must_use]
+    pub const fn allows(&self, current_a: Real, next: &BatteryState) -> bool {
+        current_a <= self.discharge_limit_a
+            && current_a >= -self.charge_limit_a
+            && next.soc.get() >= 0.0
+            && next.soc.get() <= 1.0
+    }
+
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
     #[inline]
     pub const fn settle(&self, state: &mut BatteryState, current_a: Real) {
-        state.rc.voltage_v.add(self.rc.increment_v(&state.rc, current_a));
-        state.soc.add(-(current_a * self.soc_per_a));
+        *state = self.next(state, current_a);
         // Only the last bit can lie outside: the limits saw to the rest.
         if state.soc.get() < 0.0 {
             state.soc = Accum::new(0.0);

@@ -29,6 +29,7 @@ pub struct RcBranch {
     pub(crate) resistance_ohm: Real,
     pub(crate) conductance_s: Real,
     pub(crate) capacitance_f: Real,
+    pub(crate) capacitance_per_h_s: Real,
     k: Real,
 }
 
@@ -71,7 +72,13 @@ impl RcBranch {
         let k = lag_gain(dt.s() / r / c);
         // k → 1 where the quotient overflows.
         let k = if k <= 1.0 { k } else { 1.0 };
-        Ok(Self { resistance_ohm: r, conductance_s: 1.0 / r, capacitance_f: c, k })
+        Ok(Self {
+            resistance_ohm: r,
+            conductance_s: 1.0 / r,
+            capacitance_f: c,
+            capacitance_per_h_s: c / dt.s(),
+            k,
+        })
     }
 
     /// The part of the branch that acts as a resistance within one step \[Ω\].

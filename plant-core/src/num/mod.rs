@@ -5,6 +5,8 @@
 
 mod accum;
 mod table;
+#[cfg(feature = "serde")]
+mod table_serde;
 mod trig;
 
 pub use accum::Accum;

@@ -1,63 +1,93 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
 
-use super::{Powertrain, Solution, Start};
+use super::{Limited, Loads, Powertrain, Solution, Start};
+use crate::battery::CurrentLimits;
 use crate::energy::Book;
-use crate::num::{Real, sqrt};
-use crate::port::Slip;
+use crate::num::{Real, max, sqrt};
+use crate::port::{Slip, Source};
 
 /// How often the friction mode may change while the duty is sought; there are three modes.
 const TRIES: u32 = 3;
 
+/// A step that keeps the battery's limits.
+pub(super) struct Held {
+    pub start: Start,
+    pub solution: Solution,
+    pub limited: Limited,
+    pub starved: bool,
+}
+
 impl<L: Book> Powertrain<L> {
-    /// The duty at which the drive draws `allowed_a`, and what it leads to.
+    /// A step that keeps the battery's limits: the auxiliary loads are cut off if it cannot feed
+    /// even them, then the duty is held back.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn hold_limits(
+        &self,
+        mut start: Start,
+        source: Source,
+        limits: CurrentLimits,
+        commanded: Solution,
+    ) -> Held {
+        let mut solution = commanded;
+        let starved = limits.discharge_a < start.loads.current_a(start.bus.emf_v);
+        if starved {
+            start.loads = Loads::default();
+            start.bus = source;
+            solution = self.solve(&start, commanded.duty);
+        }
+        let charging = solution.battery_a < -limits.charge_a;
+        let limited = if charging {
+            Limited::Charge
+        } else if solution.battery_a > limits.discharge_a {
+            Limited::Discharge
+        } else {
+            return Held { start, solution, limited: Limited::No, starved };
+        };
+        // What is left for the drive when the battery is at its limit.
+        let battery_a = if charging { -limits.charge_a } else { limits.discharge_a };
+        let left_a = battery_a - start.loads.current_a(source.voltage_v(battery_a));
+        let allowed_a = if charging { left_a } else { max(left_a, 0.0) };
+        let solution = self.hold_drive(&start, solution, allowed_a);
+        Held { start, solution, limited, starved }
+    }
+
+    /// The step at whose duty the drive draws `allowed_a`.
     ///
     /// Within a friction mode (forward, backward, stuck) the current is
     /// `i = (β + D·E)/(ρ + D²·R)`, so `D·i = I` is a quadratic in D. Its root can change the mode,
     /// so it is solved again in the mode found.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn hold_limit(
-        &self,
-        start: &Start,
-        commanded: Real,
-        first: Solution,
-        allowed_a: Real,
-    ) -> (Real, Solution) {
-        let (mut duty, mut solution) = (commanded, first);
+    fn hold_drive(&self, start: &Start, commanded: Solution, allowed_a: Real) -> Solution {
+        let mut solution = commanded;
         let mut tries = 0;
         while tries < TRIES {
             let slip = solution.motion.slip;
-            let (beta_v, rho_ohm) = self.drive(start, slip);
-            let root = duty_at(start.bus.emf_v, start.bus.resistance_ohm, beta_v, rho_ohm)
-                .drawing(allowed_a, commanded);
-            duty = self.converter.allowed_duty(root);
-            solution = self.solve(start, duty);
+            let root = self.drive(start, slip).drawing(allowed_a, commanded.duty);
+            solution = self.solve(start, self.converter.allowed_duty(root));
             if solution.motion.slip == slip {
                 break;
             }
             tries += 1;
         }
-        (duty, solution)
+        solution
     }
 
-    /// β and ρ of the drive in one friction mode.
-    fn drive(&self, start: &Start, slip: Slip) -> (Real, Real) {
-        let motor = &self.motor;
-        let ohm = motor.inductance_per_h_ohm + motor.resistance_ohm + start.converter_ohm;
-        let beta_v = motor.inductance_per_h_ohm * start.current_a;
-        if slip == Slip::Stuck {
-            return (beta_v, ohm);
+    /// The drive in one friction mode.
+    fn drive(&self, start: &Start, slip: Slip) -> DutyLaw {
+        let winding = &self.winding;
+        let mut law = DutyLaw {
+            emf_v: start.bus.emf_v,
+            source_ohm: start.bus.resistance_ohm,
+            beta_v: winding.inductance_per_h_ohm * start.current_a,
+            rho_ohm: winding.inductance_per_h_ohm + winding.resistance_ohm + start.converter_ohm,
+        };
+        if slip != Slip::Stuck {
+            let mobility = 1.0 / start.resistance.slope_n_s_per_m;
+            let coasting_n = start.resistance.force_n - slip.sign() * start.resistance.friction_n;
+            law.beta_v -= winding.back_emf * (start.speed_m_s + coasting_n * mobility);
+            law.rho_ohm += winding.back_emf * winding.effort_per_a * mobility;
         }
-        let axle = self.coasting_axle(start);
-        let mobility = 1.0 / (start.resistance.slope_n_s_per_m + axle.slope_n_s_per_m);
-        let force_n = start.resistance.force_n + axle.force_n
-            - slip.sign() * (start.resistance.friction_n + axle.friction_n);
-        let emf_v_s_per_m = motor.back_emf_v_s_per_rad * self.motor_rad_per_m;
-        let force_n_per_a = motor.torque_nm_per_a * self.motor_rad_per_m;
-        (
-            beta_v - emf_v_s_per_m * (start.speed_m_s + force_n * mobility),
-            ohm + emf_v_s_per_m * force_n_per_a * mobility,
-        )
+        law
     }
 }
 
@@ -67,10 +97,6 @@ struct DutyLaw {
     source_ohm: Real,
     beta_v: Real,
     rho_ohm: Real,
-}
-
-const fn duty_at(emf_v: Real, source_ohm: Real, beta_v: Real, rho_ohm: Real) -> DutyLaw {
-    DutyLaw { emf_v, source_ohm, beta_v, rho_ohm }
 }
 
 impl DutyLaw {

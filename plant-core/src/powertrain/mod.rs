@@ -11,17 +11,17 @@ pub use output::{Limited, PowertrainOutput};
 use core::marker::PhantomData;
 
 use crate::auxiliary::{Auxiliary, AuxiliaryParams};
-use crate::battery::{Battery, BatteryParams, BatteryState, CurrentLimits};
+use crate::battery::{Battery, BatteryParams, BatteryState};
 use crate::body::{Body, BodyParams, BodyState, Motion, Resistance, Road};
 use crate::converter::{Converter, ConverterParams};
-use crate::dc_motor::{DcMotor, DcMotorParams};
+use crate::dc_motor::{DcMotor, DcMotorParams, Winding};
 use crate::driver::Feedback;
 use crate::energy::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
 use crate::error::{ParamError, check};
 use crate::gearbox::{Gearbox, GearboxParams};
 use crate::model::{Dt, Model};
 use crate::num::{Accum, LARGEST, Real};
-use crate::port::{RoadLaw, Source};
+use crate::port::{Coast, Source};
 use crate::wheel::{Wheel, WheelParams};
 
 /// What is known about a powertrain: the parameters of its components.
@@ -59,15 +59,20 @@ pub struct Powertrain<L = NoLedger> {
     battery: Battery,
     auxiliary: Auxiliary,
     converter: Converter,
-    motor: DcMotor,
-    gearbox: Gearbox,
-    wheel: Wheel,
+    /// The motor's electrical side, seen from the road.
+    winding: Winding,
+    /// All that moves and rubs, seen from the road.
+    coast: Coast,
+    /// Loss of the gears as friction at the road, per motor current \[N/A\].
+    gear_loss_n_per_a: Real,
     body: Body,
     dt_s: Real,
     /// Motor turns (rad) per metre of road.
     motor_rad_per_m: Real,
-    /// Everything that moves with the vehicle, as mass \[kg\].
-    moving_mass_kg: Real,
+    torque_nm_per_a: Real,
+    inductance_h: Real,
+    /// Neither auxiliary loads nor losses of the converter: a step need not look for them.
+    plain: bool,
     ledger: PhantomData<L>,
 }
 
@@ -99,12 +104,30 @@ pub struct PowertrainInput {
     pub auxiliary_w: Real,
 }
 
+/// What draws from the battery beside the drive, within one step.
+#[derive(Clone, Copy, Default)]
+struct Loads {
+    /// The constant power's current \[A\].
+    constant_a: Real,
+    /// Auxiliary resistor \[S\].
+    resistor_s: Real,
+    /// The converter's constant loss \[S\].
+    converter_s: Real,
+}
+
+impl Loads {
+    const fn current_a(&self, battery_v: Real) -> Real {
+        self.constant_a + (self.resistor_s + self.converter_s) * battery_v
+    }
+}
+
 /// Where a step starts from, as far as the solution depends on it.
 #[derive(Clone, Copy)]
 struct Start {
     speed_m_s: Real,
     current_a: Real,
-    /// What the battery offers once the auxiliary loads have drawn.
+    loads: Loads,
+    /// What the battery offers once these have drawn.
     bus: Source,
     converter_ohm: Real,
     resistance: Resistance,
@@ -113,10 +136,10 @@ struct Start {
 /// What one duty leads to.
 #[derive(Clone, Copy)]
 struct Solution {
+    duty: Real,
     motion: Motion,
     current_increment_a: Real,
-    /// Current into the converter \[A\].
-    drive_a: Real,
+    battery_a: Real,
     battery_v: Real,
 }
 
@@ -157,21 +180,24 @@ impl<L: Book> Powertrain<L> {
         let gearbox = check!(Gearbox::new(params.gearbox, dt));
         let wheel = check!(Wheel::new(params.wheel, dt));
         let body = check!(Body::new(params.body, dt));
+        let auxiliary = check!(Auxiliary::new(params.auxiliary));
+        let converter = check!(Converter::new(params.converter));
         let motor_rad_per_m = gearbox.ratio * wheel.per_radius;
         Ok(Self {
             battery: check!(Battery::new(params.battery, dt)),
-            auxiliary: check!(Auxiliary::new(params.auxiliary)),
-            converter: check!(Converter::new(params.converter)),
+            winding: motor.winding().reflected(motor_rad_per_m),
+            coast: wheel.coast(gearbox.coast(motor.coast())).plus(body.coast()),
+            gear_loss_n_per_a: gearbox.loss_ratio()
+                * motor.winding().effort_per_a
+                * wheel.per_radius,
+            body,
             dt_s: dt.s(),
             motor_rad_per_m,
-            moving_mass_kg: body.mass_kg
-                + wheel.mass_kg
-                + (motor.inertia_kg_m2 + gearbox.inertia_kg_m2)
-                    * (motor_rad_per_m * motor_rad_per_m),
-            motor,
-            gearbox,
-            wheel,
-            body,
+            torque_nm_per_a: motor.winding().effort_per_a,
+            inductance_h: motor.inductance_h,
+            plain: auxiliary.is_none() && converter.is_ideal(),
+            auxiliary,
+            converter,
             ledger: PhantomData,
         })
     }
@@ -209,8 +235,8 @@ impl<L: Book> Powertrain<L> {
         let i = state.current_a.get();
         let rc_v = state.battery.rc.voltage_v.get();
         Stored {
-            kinetic: 0.5 * self.moving_mass_kg * v * v,
-            inductive: 0.5 * self.motor.inductance_h * i * i,
+            kinetic: 0.5 * self.moving_mass_kg() * v * v,
+            inductive: 0.5 * self.inductance_h * i * i,
             capacitive: 0.5 * self.battery.rc.capacitance_f * rc_v * rc_v,
         }
     }
@@ -240,74 +266,80 @@ impl<L: Book> Powertrain<L> {
         self.motor_rad_per_m
     }
 
-    /// What one duty leads to: down the chain, one equation, and back to the currents.
-    #[inline]
-    fn solve(&self, start: &Start, duty: Real) -> Solution {
-        let seen = Converter::seen_through(start.bus, duty, start.converter_ohm);
-        let motor_rad_s = self.motor_rad_per_m * start.speed_m_s;
-        let (shaft, winding) = self.motor.law(seen, start.current_a, motor_rad_s);
-        let axle = self.wheel.law(self.gearbox.law(shaft), start.speed_m_s);
-        let motion = start.resistance.solve(axle, start.speed_m_s);
-        let current_increment_a = winding.increment_a(self.motor_rad_per_m * motion.increment_m_s);
-        let drive_a = duty * (start.current_a + current_increment_a);
-        Solution { motion, current_increment_a, drive_a, battery_v: start.bus.voltage_v(drive_a) }
+    /// Everything that moves with the vehicle, as mass \[kg\].
+    #[must_use]
+    pub const fn moving_mass_kg(&self) -> Real {
+        self.coast.inertia_per_h * self.dt_s
     }
 
-    /// The axle when the winding carries no torque.
-    fn coasting_axle(&self, start: &Start) -> RoadLaw {
-        let motor_rad_s = self.motor_rad_per_m * start.speed_m_s;
-        let shaft = self.motor.coast_law(start.current_a, motor_rad_s);
-        self.wheel.law(self.gearbox.law(shaft), start.speed_m_s)
+    /// What draws from the battery beside the drive, at its last voltage.
+    #[inline(always)]
+    fn loads(&self, asked_w: Real, battery_v: Real) -> Loads {
+        Loads {
+            constant_a: self.auxiliary.constant_power_a(asked_w, battery_v),
+            resistor_s: self.auxiliary.conductance_s,
+            converter_s: self.converter.shunt_s(battery_v),
+        }
+    }
+
+    /// What one duty leads to: down the chain, one equation, and back to the currents.
+    #[inline(always)]
+    fn solve(&self, start: &Start, duty: Real) -> Solution {
+        let seen = Converter::seen_through(start.bus, duty, start.converter_ohm);
+        let (drive, current) = self.winding.law(seen, start.current_a, start.speed_m_s);
+        let motion = start.resistance.solve(drive, start.speed_m_s);
+        let current_increment_a = current.increment_a(motion.increment_m_s);
+        let drive_a = duty * (start.current_a + current_increment_a);
+        let battery_v = start.bus.voltage_v(drive_a);
+        let battery_a = drive_a + start.loads.current_a(battery_v);
+        Solution { duty, motion, current_increment_a, battery_a, battery_v }
     }
 
     /// Advances by one step.
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, state: &mut PowertrainState<L>, input: PowertrainInput) -> PowertrainOutput {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
-        let duty = self.converter.allowed_duty(input.duty);
 
-        // Down: what the terminals offer, and what the auxiliary loads leave of it.
+        // Down: what the terminals offer, what the auxiliary loads leave of it, what resists.
         let (source, open_circuit_v) = self.battery.offer(&state.battery);
-        let limits = self.battery.limits(&state.battery);
-        let mut load_a = self.auxiliary.constant_power_a(input.auxiliary_w, state.battery_v);
-        let converter_s = self.converter.shunt_s(state.battery_v);
-        let mut load_s = self.auxiliary.conductance_s + converter_s;
-        let starved = limits.discharge_a < load_a + load_s * state.battery_v;
-        if starved {
-            (load_a, load_s) = (0.0, 0.0);
-        }
-        let start = Start {
+        let mut resistance = self.body.resistance(&input.road, self.coast, v);
+        resistance.friction_n += self.gear_loss_n_per_a * i.abs();
+        let mut start = Start {
             speed_m_s: v,
             current_a: i,
-            bus: if load_a + load_s > 0.0 { source.loaded(load_a, load_s) } else { source },
-            converter_ohm: self.converter.series_ohm(i),
-            resistance: self.body.resistance(&input.road, v),
+            loads: Loads::default(),
+            bus: source,
+            converter_ohm: 0.0,
+            resistance,
         };
-
-        let mut applied = duty;
-        let mut solution = self.solve(&start, duty);
-        let battery_a = |s: &Solution| s.drive_a + load_a + load_s * s.battery_v;
-        let mut limited = Limited::No;
-        let drawn_a = battery_a(&solution);
-        if drawn_a > limits.discharge_a || drawn_a < -limits.charge_a {
-            let charge = drawn_a < 0.0;
-            limited = if charge { Limited::Charge } else { Limited::Discharge };
-            let allowed_a = drive_limit_a(source, limits, charge, load_a, load_s);
-            (applied, solution) = self.hold_limit(&start, duty, solution, allowed_a);
+        if !self.plain || input.auxiliary_w > 0.0 {
+            start.loads = self.loads(input.auxiliary_w, state.battery_v);
+            start.bus = source
+                .loaded(start.loads.constant_a, start.loads.resistor_s + start.loads.converter_s);
+            start.converter_ohm = self.converter.series_ohm(i);
         }
-        let battery_a = battery_a(&solution);
+        let mut solution = self.solve(&start, self.converter.allowed_duty(input.duty));
+        let mut battery = self.battery.next(&state.battery, solution.battery_a);
+        let (mut limited, mut starved) = (Limited::No, false);
+        if !self.battery.allows(solution.battery_a, &battery) {
+            let held =
+                self.hold_limits(start, source, self.battery.limits(&state.battery), solution);
+            (limited, starved) = (held.limited, held.starved);
+            (start, solution) = (held.start, held.solution);
+            battery = state.battery;
+            self.battery.settle(&mut battery, solution.battery_a);
+        }
 
-        // One check of everything that is about to enter a state.
+        // One check of what could pass unseen (a clamp or a standstill swallows it) and of
+        // everything that is about to enter a state, where the rest shows.
         let magnitude = input.duty.abs()
-            + input.auxiliary_w.abs()
-            + input.road.magnitude()
-            + solution.current_increment_a.abs()
-            + solution.motion.increment_m_s.abs()
-            + battery_a.abs()
-            + solution.battery_v.abs();
-        let accepted = magnitude + i.abs() + v.abs() <= LARGEST
-            && input.road.brake_n >= 0.0
-            && input.auxiliary_w >= 0.0;
+            + input.auxiliary_w
+            + start.resistance.friction_n
+            + (i + solution.current_increment_a).abs()
+            + (v + solution.motion.increment_m_s).abs()
+            + solution.battery_a.abs();
+        let accepted =
+            magnitude <= LARGEST && input.road.brake_n >= 0.0 && input.auxiliary_w >= 0.0;
         if !accepted {
             return self.rejected(state, open_circuit_v);
         }
@@ -316,60 +348,31 @@ impl<L: Book> Powertrain<L> {
         let rc_before_v = state.battery.rc.voltage_v.get();
         state.current_a.add(solution.current_increment_a);
         Body::settle(&mut state.body, solution.motion, self.dt_s);
-        self.battery.settle(&mut state.battery, battery_a);
+        state.battery = battery;
         state.battery_v = solution.battery_v;
 
-        let out = PowertrainOutput {
+        let rc_increment_v = battery.rc.voltage_v.get() - rc_before_v;
+        let flows =
+            self.flows(state, &input.road, &start, &solution, open_circuit_v, rc_increment_v);
+        state.ledger.book(&flows, self.dt_s);
+        PowertrainOutput {
             rejected: false,
-            duty: applied,
+            duty: solution.duty,
             limited,
             auxiliary_starved: starved,
             slip: solution.motion.slip,
             speed_m_s: state.body.speed_m_s.get(),
             distance_m: state.body.distance_m.get(),
             soc: state.battery.soc.get(),
-            battery_a,
+            battery_a: solution.battery_a,
             battery_v: solution.battery_v,
             open_circuit_v,
             motor_a: state.current_a.get(),
-            motor_nm: self.motor.torque_nm_per_a * state.current_a.get(),
+            motor_nm: self.torque_nm_per_a * state.current_a.get(),
             motor_rad_s: self.motor_rad_per_m * state.body.speed_m_s.get(),
-            flows: self.flows(
-                state,
-                &input,
-                &start,
-                &solution,
-                open_circuit_v,
-                output::Loads {
-                    auxiliary_w: (load_a
-                        + if starved { 0.0 } else { self.auxiliary.conductance_s }
-                            * solution.battery_v)
-                        * solution.battery_v,
-                    converter_w: if starved { 0.0 } else { converter_s }
-                        * solution.battery_v
-                        * solution.battery_v,
-                    battery_a,
-                    rc_increment_v: state.battery.rc.voltage_v.get() - rc_before_v,
-                },
-            ),
-        };
-        state.ledger.book(&out.flows, self.dt_s);
-        out
+            flows,
+        }
     }
-}
-
-/// What is left for the drive when the battery is at its limit, positive when discharging \[A\].
-#[inline]
-const fn drive_limit_a(
-    source: Source,
-    limits: CurrentLimits,
-    charge: bool,
-    load_a: Real,
-    load_s: Real,
-) -> Real {
-    let battery_a = if charge { -limits.charge_a } else { limits.discharge_a };
-    let left_a = battery_a - load_a - load_s * source.voltage_v(battery_a);
-    if charge { left_a } else { crate::num::max(left_a, 0.0) }
 }
 
 impl<L: Book> Model for Powertrain<L> {

@@ -1,6 +1,7 @@
 //! What a step of the plant says, powers included.
 
-use super::{Powertrain, PowertrainInput, PowertrainState, Solution, Start};
+use super::{Powertrain, PowertrainState, Solution, Start};
+use crate::body::Road;
 use crate::energy::{Book, Flows};
 use crate::num::Real;
 use crate::port::Slip;
@@ -54,62 +55,52 @@ pub struct PowertrainOutput {
     pub flows: Flows,
 }
 
-/// What the step booked beside the solution.
-pub(super) struct Loads {
-    pub auxiliary_w: Real,
-    pub converter_w: Real,
-    pub battery_a: Real,
-    pub rc_increment_v: Real,
-}
-
 impl<L: Book> Powertrain<L> {
     /// Each power from the definitions of its component, at the end of the step, so that the
     /// ledger checks the elimination and does not repeat it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn flows(
         &self,
         state: &PowertrainState<L>,
-        input: &PowertrainInput,
+        road: &Road,
         start: &Start,
         solution: &Solution,
         open_circuit_v: Real,
-        loads: Loads,
+        rc_increment_v: Real,
     ) -> Flows {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
-        let w = self.motor_rad_per_m * v;
+        let (di, dv) = (solution.current_increment_a, solution.motion.increment_m_s);
+        let (battery_a, battery_v) = (solution.battery_a, solution.battery_v);
         let way = v.abs();
-        let rc_v = state.battery.rc.voltage_v.get();
-        let (di, dv, dq) =
-            (solution.current_increment_a, solution.motion.increment_m_s, loads.rc_increment_v);
         let rc = &self.battery.rc;
-        let electrochemical = open_circuit_v * loads.battery_a;
-        let bearing_n = (self.wheel.viscous_n_s_per_m + self.body.viscous_n_s_per_m) * v;
-        let gear_nm =
-            self.gearbox.loss_ratio * (self.motor.torque_nm_per_a * start.current_a).abs();
+        let rc_v = state.battery.rc.voltage_v.get();
+        let electrochemical = open_circuit_v * battery_a;
+        let loads = &start.loads;
         Flows {
             electrochemical,
-            series_joule: self.battery.series_resistance_ohm * loads.battery_a * loads.battery_a,
+            series_joule: self.battery.series_resistance_ohm * battery_a * battery_a,
             polarisation_joule: rc_v * rc_v * rc.conductance_s,
-            converter: start.converter_ohm * i * i + loads.converter_w,
-            auxiliary: loads.auxiliary_w,
-            copper: self.motor.resistance_ohm * i * i,
-            conversion: (self.motor.back_emf_v_s_per_rad - self.motor.torque_nm_per_a) * w * i,
-            viscous: self.motor.viscous_nm_s_per_rad * w * w + bearing_n * v,
-            coulomb: self.motor.coulomb_nm * self.motor_rad_per_m * way,
-            gear: gear_nm * self.wheel.per_radius * way,
-            drag: start.resistance.drag_n_s_per_m * (v + input.road.headwind_m_s) * v,
-            rolling: self.body.rolling_n * input.road.grade.cos * way,
-            brake: input.road.brake_n * way,
-            potential: self.body.weight_n * input.road.grade.sin * v,
+            converter: start.converter_ohm * i * i + loads.converter_s * battery_v * battery_v,
+            auxiliary: (loads.constant_a + loads.resistor_s * battery_v) * battery_v,
+            copper: self.winding.resistance_ohm * i * i,
+            conversion: (self.winding.back_emf - self.winding.effort_per_a) * v * i,
+            viscous: self.coast.viscous * v * v,
+            coulomb: self.coast.coulomb * way,
+            gear: self.gear_loss_n_per_a * start.current_a.abs() * way,
+            drag: start.resistance.drag_n_s_per_m * (v + road.headwind_m_s) * v,
+            rolling: self.body.rolling_n * road.grade.cos * way,
+            brake: road.brake_n * way,
+            potential: self.body.weight_n * road.grade.sin * v,
             numerical: 0.5
-                * (self.motor.inductance_per_h_ohm * di * di
-                    + (self.moving_mass_kg * dv * dv + rc.capacitance_f * dq * dq) / self.dt_s),
+                * (self.winding.inductance_per_h_ohm * di * di
+                    + self.coast.inertia_per_h * dv * dv
+                    + rc.capacitance_per_h_s * rc_increment_v * rc_increment_v),
             throughput: electrochemical.abs(),
         }
     }
 
     /// What a refused step says: the state as it was, and nothing flowing.
-    #[cold]
+    #[inline(always)]
     pub(super) fn rejected(
         &self,
         state: &PowertrainState<L>,
@@ -135,7 +126,7 @@ impl<L: Book> Powertrain<L> {
             battery_v: state.battery_v,
             open_circuit_v,
             motor_a: i,
-            motor_nm: self.motor.torque_nm_per_a * i,
+            motor_nm: self.torque_nm_per_a * i,
             motor_rad_s: self.motor_rad_per_m * v,
             flows: Flows::default(),
         }

@@ -3,7 +3,7 @@
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, sane};
-use crate::port::{Slip, TorqueLaw, project};
+use crate::port::{Coast, DriveLaw, Slip, project};
 
 /// What is known about a load on a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +32,7 @@ pub struct RotationalLoadParams {
 /// shaft; [`settle`](Self::settle) books it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotationalLoad {
-    viscous_nm_s_per_rad: Real,
-    coulomb_nm: Real,
-    inertia_per_h: Real,
+    coast: Coast,
 }
 
 /// The state of a [`RotationalLoad`]; at rest by default.
@@ -76,38 +74,36 @@ impl RotationalLoad {
     /// [`ParamError`] names the first field that is out of range.
     pub const fn new(params: RotationalLoadParams, dt: Dt) -> Result<Self, ParamError> {
         let inertia_kg_m2 = check!(positive("load.inertia_kg_m2", params.inertia_kg_m2));
-        Ok(Self {
-            viscous_nm_s_per_rad: check!(not_negative(
-                "load.viscous_nm_s_per_rad",
-                params.viscous_nm_s_per_rad
-            )),
-            coulomb_nm: check!(not_negative("load.coulomb_nm", params.coulomb_nm)),
-            inertia_per_h: inertia_kg_m2 / dt.s(),
-        })
+        let viscous =
+            check!(not_negative("load.viscous_nm_s_per_rad", params.viscous_nm_s_per_rad));
+        let coulomb = check!(not_negative("load.coulomb_nm", params.coulomb_nm));
+        Ok(Self { coast: Coast { inertia_per_h: inertia_kg_m2 / dt.s(), viscous, coulomb } })
     }
 
-    /// The speed increment over one step \[rad/s\] on a shaft that offers `law`, and how friction
-    /// ends it. What the law's own component adds (rotor, gears, their friction) counts.
+    /// The speed increment over one step \[rad/s\] on a shaft that a machine drives with `law` and
+    /// that carries `shaft` (rotor, gears, their friction) beside this load; and how friction ends
+    /// it.
     ///
     /// A law that is not finite gives an increment that is not a number, which
     /// [`settle`](Self::settle) rejects.
     #[inline]
     #[must_use]
-    pub const fn solve(&self, state: &RotationalLoadState, law: TorqueLaw) -> (Real, Slip) {
-        let valid = sane(law.torque_nm)
-            && law.slope_nm_s_per_rad >= 0.0
-            && law.slope_nm_s_per_rad.is_finite()
-            && law.friction_nm >= 0.0
-            && law.friction_nm.is_finite();
-        if !valid {
+    pub const fn solve(
+        &self,
+        state: &RotationalLoadState,
+        law: DriveLaw,
+        shaft: Coast,
+    ) -> (Real, Slip) {
+        if !(sane(law.effort) && law.slope >= 0.0 && law.slope.is_finite()) {
             return (Real::NAN, Slip::Stuck);
         }
+        let coast = self.coast.plus(shaft);
         let speed_rad_s = state.speed_rad_s.get();
         project(
             speed_rad_s,
-            law.torque_nm - self.viscous_nm_s_per_rad * speed_rad_s,
-            law.slope_nm_s_per_rad + self.inertia_per_h + self.viscous_nm_s_per_rad,
-            law.friction_nm + self.coulomb_nm,
+            law.effort - coast.viscous * speed_rad_s,
+            law.slope + coast.slope(),
+            coast.coulomb,
         )
     }
 
@@ -128,8 +124,8 @@ impl RotationalLoad {
             }
         }
         let speed_rad_s = state.speed_rad_s.get();
-        let friction_nm = self.viscous_nm_s_per_rad * speed_rad_s + self.coulomb_nm * slip.sign();
-        let shaft_nm = self.inertia_per_h * increment_rad_s + friction_nm;
+        let friction_nm = self.coast.viscous * speed_rad_s + self.coast.coulomb * slip.sign();
+        let shaft_nm = self.coast.inertia_per_h * increment_rad_s + friction_nm;
         RotationalLoadOutput {
             speed_rad_s,
             shaft_nm,
@@ -146,13 +142,9 @@ impl RotationalLoad {
         state: &mut RotationalLoadState,
         input: RotationalLoadInput,
     ) -> RotationalLoadOutput {
-        let law = TorqueLaw {
-            torque_nm: input.torque_nm,
-            slope_nm_s_per_rad: 0.0,
-            friction_nm: 0.0,
-            carried_nm: input.torque_nm,
-        };
-        let (increment_rad_s, slip) = self.solve(state, law);
+        let law = DriveLaw { effort: input.torque_nm, slope: 0.0 };
+        let none = Coast { inertia_per_h: 0.0, viscous: 0.0, coulomb: 0.0 };
+        let (increment_rad_s, slip) = self.solve(state, law, none);
         self.settle(state, increment_rad_s, slip)
     }
 }
@@ -268,9 +260,9 @@ mod tests {
             load: &mut RotationalLoadState,
         ) -> (RotationalLoadOutput, Real) {
             let (current_a, speed_rad_s) = (motor.current_a.get(), load.speed_rad_s.get());
-            let (law, winding) = self.motor.law(self.source, current_a, speed_rad_s);
-            let (increment_rad_s, slip) = self.load.solve(load, law);
-            let increment_a = winding.increment_a(increment_rad_s);
+            let (law, current) = self.motor.winding().law(self.source, current_a, speed_rad_s);
+            let (increment_rad_s, slip) = self.load.solve(load, law, self.motor.coast());
+            let increment_a = current.increment_a(increment_rad_s);
             motor.current_a.add(increment_a);
             let out = self.load.settle(load, increment_rad_s, slip);
             motor.speed_rad_s = load.speed_rad_s;
@@ -321,18 +313,19 @@ mod tests {
     }
 
     #[test]
-    fn the_law_of_a_gearbox_fits_too() {
+    fn a_gearbox_fits_between() {
         let (motor, gearbox) = (
             DcMotor::new(MOTOR, dt(1e-3)).unwrap(),
             Gearbox::new(GearboxParams { ratio: 5.0, ..GearboxParams::NONE }, dt(1e-3)).unwrap(),
         );
+        let (winding, coast) = (motor.winding().reflected(5.0), gearbox.coast(motor.coast()));
         let (l, mut s) = (load(LOAD, 1e-3), RotationalLoadState::default());
         let mut current_a = Accum::new(0.0);
         for _ in 0..30_000 {
-            let motor_rad_s = 5.0 * s.speed_rad_s.get();
-            let (law, winding) = motor.law(Source::stiff(24.0), current_a.get(), motor_rad_s);
-            let (increment_rad_s, slip) = l.solve(&s, gearbox.law(law));
-            current_a.add(winding.increment_a(5.0 * increment_rad_s));
+            let source = Source::stiff(24.0);
+            let (law, current) = winding.law(source, current_a.get(), s.speed_rad_s.get());
+            let (increment_rad_s, slip) = l.solve(&s, law, coast);
+            current_a.add(current.increment_a(increment_rad_s));
             l.settle(&mut s, increment_rad_s, slip);
         }
         let (ke, friction_nm, b) = (2.0, 0.3 + 0.5, 0.002 + 25.0 * 0.001);
@@ -346,13 +339,9 @@ mod tests {
         let before = s;
         for bad in [Real::NAN, Real::INFINITY, -1e38] {
             assert!(l.step(&mut s, RotationalLoadInput { torque_nm: bad }).rejected);
-            let good = TorqueLaw { torque_nm: 1.0, ..TorqueLaw::default() };
-            for law in [
-                TorqueLaw { torque_nm: bad, ..good },
-                TorqueLaw { slope_nm_s_per_rad: bad, ..good },
-                TorqueLaw { friction_nm: bad, ..good },
-            ] {
-                let (increment_rad_s, slip) = l.solve(&s, law);
+            for law in [DriveLaw { effort: bad, slope: 0.0 }, DriveLaw { effort: 1.0, slope: bad }]
+            {
+                let (increment_rad_s, slip) = l.solve(&s, law, Coast::default());
                 let out = l.settle(&mut s, increment_rad_s, slip);
                 assert!(out.rejected && out.speed_rad_s == 7.0, "{law:?}");
             }

@@ -1,0 +1,107 @@
+//! The command line of `voltstep`.
+
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::replay::{self, Options};
+
+/// EV powertrain plant: replays driving cycles and real trips.
+#[derive(Debug, Parser)]
+#[command(name = "voltstep", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Replay a driving cycle or a measured trip, and write summary, trace and plots
+    Replay {
+        /// A built-in cycle (see `voltstep list`), a cycle file (`time_s,speed_m_s`) or a trip file
+        input: String,
+        /// A built-in vehicle (see `voltstep list`) or a vehicle file
+        #[arg(long, value_name = "NAME|FILE.toml", default_value = replay::DEFAULT_VEHICLE)]
+        vehicle: String,
+        /// For a trip: the whole vehicle on measured speed, height and auxiliary power, or the
+        /// battery alone on measured current
+        #[arg(long, value_enum, default_value_t = Mode::Vehicle)]
+        mode: Mode,
+        /// Length of a step in milliseconds
+        #[arg(long, value_name = "MS", default_value_t = 1.0, allow_negative_numbers = true)]
+        dt_ms: f64,
+        /// Folder for summary.json, trace.csv and report.svg [default: out/<name>/]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Print summary.json on standard output instead of the table
+        #[arg(long)]
+        json: bool,
+        /// Run without the energy ledger, which is faster
+        #[arg(long)]
+        no_ledger: bool,
+    },
+    /// List the built-in cycles and vehicles
+    List,
+}
+
+/// What of a trip is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Mode {
+    /// The whole vehicle on measured speed, height and auxiliary power.
+    Vehicle,
+    /// The battery alone on measured current.
+    Battery,
+}
+
+/// Runs the command; errors go to standard error in one line and end with exit code 2.
+#[must_use]
+pub fn main() -> ExitCode {
+    match run(Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("voltstep: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<()> {
+    match command {
+        Command::Replay { input, vehicle, mode, dt_ms, out, json, no_ledger } => {
+            let options = Options { vehicle, mode, dt_ms, ledger: !no_ledger, show_progress: true };
+            let replay = replay::replay(&input, &options)?;
+            let folder = replay::write(&replay, out)?;
+            if json {
+                print(&replay.summary.to_json()?)
+            } else {
+                let table = crate::table::render(&replay.summary);
+                let folder = folder.display();
+                print(&format!("{table}\nsummary.json, trace.csv and report.svg are in {folder}\n"))
+            }
+        }
+        Command::List => print(&crate::table::list()),
+    }
+}
+
+/// Prints on standard output. A reader that has seen enough (`| head`) is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(e).context("writing to standard output"),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,35 @@
+//! Voltstep on a PC: replays driving cycles and real trips through the plant of `plant-core`.
+//!
+//! # Map
+//! | Module | What it does |
+//! |---|---|
+//! | [`cli`] | the command line of `voltstep` |
+//! | [`cycle`], [`trip`], [`vehicle`] | what can be read, built in or from a file |
+//! | [`input_error`] | what is wrong with a file, and where |
+//! | [`synthetic`] | makes the synthetic trip in `data/trips` |
+//! | [`route`] | a cycle or a trip as the plant's inputs over time |
+//! | [`run`] | the stepping loops: the whole vehicle, the battery alone |
+//! | [`compare`] | ours against what was measured |
+//! | [`summary`] | the figures of a replay, as JSON |
+//! | [`replay`] | all of it, end to end |
+//!
+//! Private: `table` (the summary on a terminal), `sheet` and `plot` (the plot sheet), `output`
+//! (files that appear whole or not at all).
+
+#![cfg_attr(test, allow(clippy::cast_precision_loss))]
+
+pub mod cli;
+pub mod compare;
+pub mod cycle;
+pub mod input_error;
+mod output;
+mod plot;
+pub mod replay;
+pub mod route;
+pub mod run;
+mod sheet;
+pub mod summary;
+pub mod synthetic;
+mod table;
+pub mod trip;
+pub mod vehicle;
