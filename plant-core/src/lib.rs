@@ -83,3 +83,8 @@ pub mod wheel;
 pub use error::ParamError;
 pub use model::{Dt, Model};
 pub use num::{Accum, Real};
+
+/// The example of the README, kept compiling.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -8,6 +8,7 @@ mod args;
 mod data;
 mod metadata;
 mod parts;
+mod readme;
 mod report;
 mod shell;
 

@@ -30,6 +30,7 @@ pub const PARTS: &[Part] = &[
     part("docs", "the documentation builds without a warning", docs),
     part("thumb", "plant-core builds for Cortex-M4F with each set of features", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
+    part("readme", "the README's figures are those of this code", crate::readme::readme),
 ];
 
 const fn part(name: &'static str, about: &'static str, run: fn() -> Result<()>) -> Part {
