@@ -48,7 +48,7 @@ pub struct Auxiliary {
 pub struct AuxiliaryInput {
     /// Voltage across it \[V\].
     pub voltage_v: Real,
-    /// Power asked for beside the parameter \[W\].
+    /// Power asked for beside the parameter \[W\], ≥ 0.
     pub power_w: Real,
 }
 
@@ -62,7 +62,7 @@ pub struct AuxiliaryOutput {
     pub power_w: Real,
     /// The constant power is cut out.
     pub cut_out: bool,
-    /// An input was not finite or absurd: it draws nothing.
+    /// An input was not finite, absurd, or a negative power: it draws nothing.
     pub rejected: bool,
 }
 
@@ -85,26 +85,26 @@ impl Auxiliary {
         self.power_w == 0.0 && self.conductance_s == 0.0
     }
 
-    /// The current of the constant power, `asked_w` more than the parameter, at `voltage_v`.
+    /// The current of the constant power, `asked_w` ≥ 0 more than the parameter, at `voltage_v`.
     #[inline]
     #[must_use]
     pub const fn constant_power_a(&self, asked_w: Real, voltage_v: Real) -> Real {
-        let power_w = self.power_w + asked_w;
-        if power_w > 0.0 && voltage_v >= self.cut_out_v { power_w / voltage_v } else { 0.0 }
+        if voltage_v >= self.cut_out_v { (self.power_w + asked_w) / voltage_v } else { 0.0 }
     }
 
     /// One instant of the load on its own.
     #[inline]
     #[must_use]
     pub fn step(&self, _state: &mut (), input: AuxiliaryInput) -> AuxiliaryOutput {
-        let rejected = !(sane(input.voltage_v) && sane(input.power_w));
-        let voltage_v = if rejected { 0.0 } else { input.voltage_v };
-        let constant_a = self.constant_power_a(input.power_w, voltage_v);
+        let rejected = !(sane(input.voltage_v) && sane(input.power_w) && input.power_w >= 0.0);
+        let (voltage_v, asked_w) =
+            if rejected { (0.0, 0.0) } else { (input.voltage_v, input.power_w) };
+        let constant_a = self.constant_power_a(asked_w, voltage_v);
         let current_a = constant_a + self.conductance_s * voltage_v;
         AuxiliaryOutput {
             current_a,
             power_w: current_a * voltage_v,
-            cut_out: constant_a == 0.0 && self.power_w + input.power_w > 0.0,
+            cut_out: constant_a == 0.0 && self.power_w + asked_w > 0.0,
             rejected,
         }
     }
@@ -134,7 +134,8 @@ mod tests {
 
     #[test]
     fn never_feeds_the_battery() {
-        assert_eq!(at(AuxiliaryParams::NONE, 400.0, -100.0).current_a, 0.0);
+        let out = at(AuxiliaryParams::NONE, 400.0, -100.0);
+        assert!(out.rejected && out.current_a == 0.0);
     }
 
     #[test]

@@ -99,11 +99,17 @@ impl Converter {
         p.constant_loss_w == 0.0 && p.voltage_drop_v == 0.0 && p.resistance_ohm == 0.0
     }
 
-    /// The duty that the limit allows.
+    /// The duty that the limit allows. One that is absurd stays so, for the caller to see.
     #[inline]
     #[must_use]
     pub const fn allowed_duty(&self, duty: Real) -> Real {
-        clamp(duty, -self.params.duty_limit, self.params.duty_limit)
+        if duty.abs() <= self.params.duty_limit {
+            duty
+        } else if sane(duty) {
+            clamp(duty, -self.params.duty_limit, self.params.duty_limit)
+        } else {
+            Real::NAN
+        }
     }
 
     /// The converter's own series resistance at `output_a` \[Ω\]: the voltage drop enters as the

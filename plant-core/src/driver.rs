@@ -139,8 +139,7 @@ pub struct TorqueDriver {
     back_emf_v_s_per_m: Real,
     drop_v: Real,
     current_gain_ohm: Real,
-    per_regen_fade_s_per_m: Real,
-    per_regen_fade_soc: Real,
+    full_regen_soc: Real,
 }
 
 impl Driver {
@@ -206,7 +205,7 @@ impl TorqueDriver {
         check!(limit("driver.torque.peak_power_w", params.peak_power_w));
         check!(not_negative("driver.torque.regen_torque_nm", params.regen_torque_nm));
         check!(limit("driver.torque.regen_power_w", params.regen_power_w));
-        let fade_m_s = check!(positive("driver.torque.regen_fade_m_s", params.regen_fade_m_s));
+        check!(positive("driver.torque.regen_fade_m_s", params.regen_fade_m_s));
         let fade_soc = check!(positive("driver.torque.regen_fade_soc", params.regen_fade_soc));
         check!(positive("driver.torque.brake_limit_n", params.brake_limit_n));
         let rate = check!(positive("driver.torque.current_rate_per_s", params.current_rate_per_s));
@@ -232,23 +231,39 @@ impl TorqueDriver {
             back_emf_v_s_per_m: vehicle.motor.back_emf_v_s_per_rad * motor_rad_per_m,
             drop_v: vehicle.converter.voltage_drop_v,
             current_gain_ohm,
-            per_regen_fade_s_per_m: 1.0 / fade_m_s,
-            per_regen_fade_soc: 1.0 / fade_soc,
+            full_regen_soc: 1.0 - fade_soc,
             params,
         })
     }
 
-    /// The torque limits at a motor speed, in the direction of motion: (regeneration, drive).
+    /// Whether every limit allows a torque, counted in the direction of motion.
     #[inline(always)]
-    fn torque_limits_nm(&self, motor_rad_s: Real, speed_m_s: Real, soc: Real) -> (Real, Real) {
+    fn allows(&self, torque_nm: Real, speed_m_s: Real, soc: Real) -> bool {
         let p = &self.params;
+        let power_w = torque_nm * self.motor_rad_per_m * speed_m_s;
+        if torque_nm >= 0.0 {
+            torque_nm <= p.peak_torque_nm && power_w <= p.peak_power_w
+        } else {
+            torque_nm >= -p.regen_torque_nm
+                && power_w >= -p.regen_power_w
+                && speed_m_s >= p.regen_fade_m_s
+                && soc <= self.full_regen_soc
+        }
+    }
+
+    /// The torque that the limits leave of one, counted in the direction of motion.
+    #[cold]
+    fn allowed_nm(&self, torque_nm: Real, speed_m_s: Real, soc: Real) -> Real {
+        let p = &self.params;
+        let motor_rad_s = self.motor_rad_per_m * speed_m_s;
         let within = |torque_nm: Real, power_w: Real| {
             if torque_nm * motor_rad_s > power_w { power_w / motor_rad_s } else { torque_nm }
         };
-        let fade = clamp(speed_m_s * self.per_regen_fade_s_per_m, 0.0, 1.0)
-            * clamp((1.0 - soc) * self.per_regen_fade_soc, 0.0, 1.0);
-        (
-            within(p.regen_torque_nm, p.regen_power_w) * fade,
+        let fade = clamp(speed_m_s / p.regen_fade_m_s, 0.0, 1.0)
+            * clamp((1.0 - soc) / p.regen_fade_soc, 0.0, 1.0);
+        clamp(
+            torque_nm,
+            -within(p.regen_torque_nm, p.regen_power_w) * fade,
             within(p.peak_torque_nm, p.peak_power_w),
         )
     }
@@ -257,15 +272,8 @@ impl TorqueDriver {
     #[inline(always)]
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
         let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
-        let v = vehicle.speed_m_s;
-        let standing = reference_m_s.abs() + v.abs() < STANDSTILL_M_S;
-        // What does not wait for the speed controller: limits, back-EMF, voltage.
-        let forward = if v == 0.0 { reference_m_s >= 0.0 } else { v > 0.0 };
-        let speed = v.abs();
-        let (regen_nm, drive_nm) =
-            self.torque_limits_nm(self.motor_rad_per_m * speed, speed, vehicle.soc);
-        let (low_nm, high_nm) = if forward { (-regen_nm, drive_nm) } else { (-drive_nm, regen_nm) };
-        let i = vehicle.motor_a;
+        let (v, i) = (vehicle.speed_m_s, vehicle.motor_a);
+        // What does not wait for the speed controller: back-EMF, voltage.
         let idle_v = self.back_emf_v_s_per_m * v - self.current_gain_ohm * i
             + self.drop_v * i / (i.abs() + DROP_FADE_A);
         let per_v = 1.0 / max(vehicle.battery_v, 1.0);
@@ -275,13 +283,10 @@ impl TorqueDriver {
             .step(&mut state.speed, PidInput { reference: reference_m_s, measurement: v });
         let force_n = controller.output + self.mass_kg * reference_m_s2;
         let wanted_nm = force_n * self.per_motor_rad_m;
-        let mut command_nm = clamp(wanted_nm, low_nm, high_nm);
-        let mut brake_n = 0.0;
-        if command_nm != wanted_nm || standing || vehicle.limited || state.speed.held_back() {
-            if standing {
-                command_nm = 0.0;
-            }
-            brake_n = self.blend(state, &vehicle, forward, standing, wanted_nm, command_nm);
+        let (mut command_nm, mut brake_n) = (wanted_nm, 0.0);
+        let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
+        if !free || vehicle.limited || state.speed.held_back() {
+            (command_nm, brake_n) = self.blend(state, &input, wanted_nm);
         }
         let duty = (self.v_per_nm * command_nm + idle_v) * per_v;
 
@@ -294,25 +299,25 @@ impl TorqueDriver {
         DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
     }
 
-    /// The friction brake \[N\]: what braking the motor may not do, or what the battery does not
-    /// let it do; and what a limit means for the speed controller.
-    fn blend(
-        &self,
-        state: &mut DriverState,
-        vehicle: &Feedback,
-        forward: bool,
-        standing: bool,
-        wanted_nm: Real,
-        command_nm: Real,
-    ) -> Real {
-        if standing {
+    /// The torque command \[N·m\] and the friction brake \[N\] where a limit acts, backwards, and at
+    /// standstill: the brake takes what the motor may not do, or what the battery does not let it
+    /// do. Tells the speed controller which way it is held back.
+    #[cold]
+    fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
+        let vehicle = &input.vehicle;
+        let v = vehicle.speed_m_s;
+        if input.reference_m_s.abs() + v.abs() < STANDSTILL_M_S {
             state.speed.reset();
-            return self.params.brake_limit_n;
+            return (0.0, self.params.brake_limit_n);
         }
+        let forward = if v == 0.0 { input.reference_m_s >= 0.0 } else { v > 0.0 };
+        // From here on torques and forces count in the direction of motion.
         let way = if forward { 1.0 } else { -1.0 };
-        let mut short_nm = way * (command_nm - wanted_nm);
-        if vehicle.limited && way * wanted_nm < 0.0 {
-            short_nm += max(way * (self.torque_nm_per_a * vehicle.motor_a - command_nm), 0.0);
+        let wanted_nm = way * wanted_nm;
+        let command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
+        let mut short_nm = command_nm - wanted_nm;
+        if vehicle.limited && wanted_nm < 0.0 {
+            short_nm += max(way * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
         }
         let demand_n = short_nm * self.motor_rad_per_m;
         let direction = if demand_n < 0.0 {
@@ -323,7 +328,7 @@ impl TorqueDriver {
             0.0
         };
         Pid::saturate(&mut state.speed, direction);
-        clamp(demand_n, 0.0, self.params.brake_limit_n)
+        (way * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
     }
 }
 

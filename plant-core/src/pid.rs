@@ -2,7 +2,7 @@
 
 use crate::error::{ParamError, above, check, finite, limit, not_negative};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, LARGEST_PARAM, Real, clamp, lag_gain, sane};
+use crate::num::{Accum, LARGEST_PARAM, Real, clamp, lag_gain, sane, sound};
 
 /// What is known about a PID controller. `Default` is that of the reference system, but for the
 /// anti-windup: K 1, no I, no D, no dead zone, no limits, smoothing 1e6 1/s.
@@ -158,7 +158,7 @@ pub struct PidOutput {
     pub raw: Real,
     /// The raw output lies at or beyond a limit.
     pub saturated: bool,
-    /// An input was not finite or absurd; the state is unchanged.
+    /// An input, or the integral, was not finite or absurd; the state is unchanged.
     pub rejected: bool,
 }
 
@@ -211,7 +211,9 @@ impl Pid {
     /// held back, say), so that the integral does not wind up against it.
     #[inline]
     pub const fn feed_back(&self, state: &mut PidState, applied: Real) {
-        state.excess = state.output.get() - applied;
+        if self.is_directional() {
+            state.excess = state.output.get() - applied;
+        }
     }
 
     /// Tells only which way something further down the loop is saturated: 1 up, −1 down, 0 not.
@@ -225,7 +227,10 @@ impl Pid {
     pub fn step(&self, state: &mut PidState, input: PidInput) -> PidOutput {
         let p = &self.params;
         let error = input.reference - input.measurement;
-        if !sane(input.reference.abs() + input.measurement.abs()) {
+        // An integral that has grown absurd counts as bad input: it must not become infinite.
+        let magnitude =
+            input.reference.abs() + input.measurement.abs() + state.integral.get().abs();
+        if !sound(magnitude) {
             let output = state.output.get();
             return PidOutput { output, raw: output, saturated: false, rejected: true };
         }
@@ -242,8 +247,8 @@ impl Pid {
         }
         let increment = self.integral_gain * error;
         let free = raw < p.output_max && raw > p.output_min && raw.abs() >= p.dead_zone;
-        let target = if free && state.excess == 0.0 {
-            Self::integrate(state, increment);
+        let target = if free && !(self.is_directional() && state.held_back()) {
+            state.integral.add(increment);
             raw
         } else {
             self.held_target(state, raw, increment)
@@ -257,11 +262,8 @@ impl Pid {
         PidOutput { output: state.output.get(), raw, saturated, rejected: false }
     }
 
-    #[inline(always)]
-    fn integrate(state: &mut PidState, increment: Real) {
-        if sane(state.integral.get() + increment) {
-            state.integral.add(increment);
-        }
+    const fn is_directional(&self) -> bool {
+        matches!(self.params.anti_windup, AntiWindup::Directional)
     }
 
     /// The target within the dead zone or in saturation, here or further down the loop.
@@ -280,7 +282,7 @@ impl Pid {
             }
         };
         if runs {
-            Self::integrate(state, increment);
+            state.integral.add(increment);
         }
         clamp(raw, p.output_min, p.output_max)
     }

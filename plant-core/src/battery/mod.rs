@@ -8,7 +8,7 @@ pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchSt
 
 use crate::error::{ParamError, check, limit, positive, ratio};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, Real, clamp, min, sane};
+use crate::num::{Accum, LARGEST, Real, clamp, min, sane};
 use crate::port::Source;
 
 /// A battery within this of 0 or 1 counts as depleted or full.
@@ -138,8 +138,15 @@ impl Battery {
             soc_per_a: dt.s() / capacity_c,
             a_per_soc: capacity_c / dt.s(),
             capacity_c,
-            discharge_limit_a: check!(limit("battery.discharge_limit_a", params.discharge_limit_a)),
-            charge_limit_a: check!(limit("battery.charge_limit_a", params.charge_limit_a)),
+            // No limit still keeps absurd currents out.
+            discharge_limit_a: min(
+                check!(limit("battery.discharge_limit_a", params.discharge_limit_a)),
+                LARGEST,
+            ),
+            charge_limit_a: min(
+                check!(limit("battery.charge_limit_a", params.charge_limit_a)),
+                LARGEST,
+            ),
         })
     }
 

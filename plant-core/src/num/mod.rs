@@ -72,6 +72,13 @@ pub const fn sane(x: Real) -> bool {
     x.abs() <= LARGEST
 }
 
+/// The same for a sum of magnitudes, which is not negative.
+#[inline]
+#[must_use]
+pub const fn sound(magnitude: Real) -> bool {
+    magnitude <= LARGEST
+}
+
 /// −1, 0 or 1.
 #[inline]
 #[must_use]

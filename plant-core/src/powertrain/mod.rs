@@ -20,7 +20,7 @@ use crate::energy::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
 use crate::error::{ParamError, check};
 use crate::gearbox::{Gearbox, GearboxParams};
 use crate::model::{Dt, Model};
-use crate::num::{Accum, LARGEST, Real};
+use crate::num::{Accum, Real, sound};
 use crate::port::{Coast, Source};
 use crate::wheel::{Wheel, WheelParams};
 
@@ -107,6 +107,8 @@ pub struct PowertrainInput {
 /// What draws from the battery beside the drive, within one step.
 #[derive(Clone, Copy, Default)]
 struct Loads {
+    /// There are any: where there are none, nothing is added for them.
+    any: bool,
     /// The constant power's current \[A\].
     constant_a: Real,
     /// Auxiliary resistor \[S\].
@@ -276,6 +278,7 @@ impl<L: Book> Powertrain<L> {
     #[inline(always)]
     fn loads(&self, asked_w: Real, battery_v: Real) -> Loads {
         Loads {
+            any: true,
             constant_a: self.auxiliary.constant_power_a(asked_w, battery_v),
             resistor_s: self.auxiliary.conductance_s,
             converter_s: self.converter.shunt_s(battery_v),
@@ -291,7 +294,10 @@ impl<L: Book> Powertrain<L> {
         let current_increment_a = current.increment_a(motion.increment_m_s);
         let drive_a = duty * (start.current_a + current_increment_a);
         let battery_v = start.bus.voltage_v(drive_a);
-        let battery_a = drive_a + start.loads.current_a(battery_v);
+        let mut battery_a = drive_a;
+        if start.loads.any {
+            battery_a += start.loads.current_a(battery_v);
+        }
         Solution { duty, motion, current_increment_a, battery_a, battery_v }
     }
 
@@ -330,16 +336,14 @@ impl<L: Book> Powertrain<L> {
             self.battery.settle(&mut battery, solution.battery_a);
         }
 
-        // One check of what could pass unseen (a clamp or a standstill swallows it) and of
-        // everything that is about to enter a state, where the rest shows.
-        let magnitude = input.duty.abs()
-            + input.auxiliary_w
+        // One check of what could pass unseen (a standstill swallows it) and of what is about to
+        // enter a state, where the rest shows.
+        let magnitude = input.auxiliary_w
             + start.resistance.friction_n
             + (i + solution.current_increment_a).abs()
             + (v + solution.motion.increment_m_s).abs()
             + solution.battery_a.abs();
-        let accepted =
-            magnitude <= LARGEST && input.road.brake_n >= 0.0 && input.auxiliary_w >= 0.0;
+        let accepted = sound(magnitude) && input.road.brake_n >= 0.0 && input.auxiliary_w >= 0.0;
         if !accepted {
             return self.rejected(state, open_circuit_v);
         }
