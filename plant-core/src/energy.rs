@@ -1,11 +1,17 @@
 //! The energy ledger of the coupled plant: where every joule went.
+//!
+//! A step offers each term's *raw* power: without the parameter that it is proportional to (`i²`
+//! for the copper, `|v|` for the motor's Coulomb friction). The parameter and the step's length
+//! come in once, when the books are read. Raw powers gather in a plain sum per term; each step
+//! pours one of these into its compensated total and empties it, so that a step costs little and
+//! no sum grows long enough to lose anything.
 
 use crate::num::{Accum, Real};
 
 /// Lists the ledger's terms once; everything that knows them comes from here.
 macro_rules! terms {
     ($($(#[$doc:meta])* $term:ident),+ $(,)?) => {
-        /// The mean power of each term over one step \[W\].
+        /// One value for each term; powers \[W\], or what they are proportional to.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct Flows {
@@ -14,26 +20,27 @@ macro_rules! terms {
             pub throughput: Real,
         }
 
-        /// The energy ledger: a compensated sum for each term \[J\].
-        #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-        pub struct EnergyLedger {
-            $($term: Accum,)+
-            throughput: Accum,
-            start: Stored,
-        }
+        impl Flows {
+            /// One for each term.
+            pub(crate) const ONES: Self = Self { $($term: 1.0,)+ throughput: 1.0 };
 
-        impl Book for EnergyLedger {
-            fn starting_with(start: Stored) -> Self {
-                Self { start, ..Self::default() }
+            /// Term by term.
+            #[inline(always)]
+            pub(crate) const fn times(&self, factors: &Self) -> Self {
+                Self {
+                    $($term: self.$term * factors.$term,)+
+                    throughput: self.throughput * factors.throughput,
+                }
             }
 
-            #[inline]
-            fn book(&mut self, flows: &Flows, dt_s: Real) {
-                $(self.$term.add(flows.$term * dt_s);)+
-                self.throughput.add(flows.throughput * dt_s);
+            #[inline(always)]
+            const fn array(&self) -> [Real; TERMS] {
+                [$(self.$term,)+ self.throughput]
             }
         }
+
+        const TERMS: usize = [$(stringify!($term),)+ "throughput"].len();
+        const NAMES: [&str; TERMS] = [$(stringify!($term),)+ "throughput"];
 
         /// Where the energy went since the start \[J\]; each term positive in the sense of its
         /// name. `electrochemical` is the sum of all others but `open_circuit_explicit`.
@@ -41,6 +48,8 @@ macro_rules! terms {
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct EnergyReport {
             $($(#[$doc])* pub $term: Real,)+
+            /// Σ|E·I|·h at the battery: what the residual is measured against.
+            pub throughput: Real,
             /// Gained in the motion of body, wheels, gears and rotor.
             pub kinetic: Real,
             /// Gained in the winding's inductance.
@@ -52,53 +61,26 @@ macro_rules! terms {
             /// The step takes the open-circuit voltage of its start; this is how much the
             /// battery's stored energy fell beyond `electrochemical` for it.
             pub open_circuit_explicit: Real,
-            /// Σ|E·I|·h at the battery: what the residual is measured against.
-            pub throughput: Real,
         }
 
         impl EnergyReport {
             /// Each term's name and value, in the order of the ledger.
             #[must_use]
-            pub const fn terms(&self) -> [(&'static str, Real); TERMS + 6] {
+            pub const fn terms(&self) -> [(&'static str, Real); TERMS + 5] {
                 [
                     $((stringify!($term), self.$term),)+
+                    ("throughput", self.throughput),
                     ("kinetic", self.kinetic),
                     ("inductive", self.inductive),
                     ("capacitive", self.capacitive),
                     ("residual", self.residual),
                     ("open_circuit_explicit", self.open_circuit_explicit),
-                    ("throughput", self.throughput),
                 ]
             }
 
-            /// The residual over the throughput; 0 where nothing flowed.
-            #[must_use]
-            pub const fn residual_rel(&self) -> Real {
-                if self.throughput > 0.0 { self.residual / self.throughput } else { 0.0 }
-            }
-        }
-
-        const TERMS: usize = [$(stringify!($term)),+].len();
-
-        impl EnergyLedger {
-            /// The report, given what is stored now and how much the battery's own energy fell.
-            #[must_use]
-            pub(crate) fn report(&self, now: Stored, discharged_j: Real) -> EnergyReport {
-                let mut balance = Accum::new(0.0);
-                $(balance.add_sum(self.$term.scaled(-1.0));)+
-                balance.add_sum(self.electrochemical.scaled(2.0));
-                balance.add(-(now.kinetic - self.start.kinetic));
-                balance.add(-(now.inductive - self.start.inductive));
-                balance.add(-(now.capacitive - self.start.capacitive));
-                EnergyReport {
-                    $($term: self.$term.get(),)+
-                    kinetic: now.kinetic - self.start.kinetic,
-                    inductive: now.inductive - self.start.inductive,
-                    capacitive: now.capacitive - self.start.capacitive,
-                    residual: balance.get(),
-                    open_circuit_explicit: discharged_j - self.electrochemical.get(),
-                    throughput: self.throughput.get(),
-                }
+            fn from_sums(sums: [Real; TERMS]) -> Self {
+                let [$($term,)+ throughput] = sums;
+                Self { $($term,)+ throughput, ..Self::default() }
             }
         }
     };
@@ -138,6 +120,65 @@ terms! {
     numerical,
 }
 
+// The ring of sums turns by a mask.
+const _: () = assert!(TERMS == 16);
+
+impl EnergyReport {
+    /// The residual over the throughput; 0 where nothing flowed.
+    #[must_use]
+    pub const fn residual_rel(&self) -> Real {
+        if self.throughput > 0.0 { self.residual / self.throughput } else { 0.0 }
+    }
+}
+
+/// The energy ledger: what each term has come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EnergyLedger {
+    recent: [Real; TERMS],
+    totals: [Accum; TERMS],
+    next: usize,
+    start: Stored,
+}
+
+impl EnergyLedger {
+    /// The report, given the factors that the raw powers were booked without, the step, what is
+    /// stored now and how much the battery's own energy fell.
+    pub(crate) fn report(
+        &self,
+        factors: &Flows,
+        dt_s: Real,
+        now: Stored,
+        discharged_j: Real,
+    ) -> EnergyReport {
+        let factors = factors.array();
+        let mut balance = Accum::new(0.0);
+        let mut sums = [0.0; TERMS];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let mut total = self.totals[k];
+            total.add(self.recent[k]);
+            let energy = total.scaled(factors[k] * dt_s);
+            *sum = energy.get();
+            // The source on one side, the named terms on the other, the throughput on none.
+            match NAMES[k] {
+                "electrochemical" => balance.add_sum(energy),
+                "throughput" => {}
+                _ => balance.add_sum(energy.scaled(-1.0)),
+            }
+        }
+        let mut report = EnergyReport::from_sums(sums);
+        report.kinetic = now.kinetic - self.start.kinetic;
+        report.inductive = now.inductive - self.start.inductive;
+        report.capacitive = now.capacitive - self.start.capacitive;
+        for stored in [report.kinetic, report.inductive, report.capacitive] {
+            balance.add(-stored);
+        }
+        report.residual = balance.get();
+        report.open_circuit_explicit = discharged_j - report.electrochemical;
+        report
+    }
+}
+
 /// Energy held in motion and fields \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -154,8 +195,25 @@ pub struct Stored {
 pub trait Book: Copy + Default {
     /// Opens the books.
     fn starting_with(start: Stored) -> Self;
-    /// Books the flows of one step.
-    fn book(&mut self, flows: &Flows, dt_s: Real);
+    /// Books the raw powers of one step.
+    fn book(&mut self, raw: &Flows);
+}
+
+impl Book for EnergyLedger {
+    fn starting_with(start: Stored) -> Self {
+        Self { start, ..Self::default() }
+    }
+
+    #[inline(always)]
+    fn book(&mut self, raw: &Flows) {
+        for (sum, power) in self.recent.iter_mut().zip(raw.array()) {
+            *sum += power;
+        }
+        let k = self.next % TERMS;
+        self.totals[k].add(self.recent[k]);
+        self.recent[k] = 0.0;
+        self.next = k + 1;
+    }
 }
 
 /// Keeps no books.
@@ -169,35 +227,67 @@ impl Book for NoLedger {
         Self
     }
 
-    #[inline]
-    fn book(&mut self, _flows: &Flows, _dt_s: Real) {}
+    #[inline(always)]
+    fn book(&mut self, _raw: &Flows) {}
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_flows_in_must_be_named_or_is_left_over() {
+    const STEPS: u32 = 1000;
+
+    /// A thousand steps of 0.01 s in which 100 W leave the battery and 91 W are named.
+    fn ledger() -> EnergyLedger {
         let mut ledger = EnergyLedger::starting_with(Stored { kinetic: 5.0, ..Stored::default() });
-        let flows = Flows {
+        let raw = Flows {
             electrochemical: 100.0,
-            copper: 10.0,
-            drag: 40.0,
+            copper: 5.0,
+            drag: 80.0,
             numerical: 1.0,
             throughput: 100.0,
             ..Flows::default()
         };
-        for _ in 0..100 {
-            ledger.book(&flows, 0.01);
+        for _ in 0..STEPS {
+            ledger.book(&raw);
         }
+        ledger
+    }
+
+    const FACTORS: Flows = Flows { copper: 2.0, ..Flows::ONES };
+
+    #[test]
+    fn what_flows_in_must_be_named_or_is_left_over() {
         let stored = |kinetic| Stored { kinetic, inductive: 1.0, ..Stored::default() };
-        let closed = ledger.report(stored(53.0), 100.5);
-        assert!(closed.residual.abs() < 1e-4 && closed.kinetic == 48.0, "{closed:?}");
-        assert!((closed.open_circuit_explicit - 0.5).abs() < 1e-4);
-        let open = ledger.report(stored(33.0), 100.0);
-        assert!((open.residual_rel() - 0.2).abs() < 1e-5);
+        let closed = ledger().report(&FACTORS, 0.01, stored(94.0), 1000.5);
+        assert!(closed.residual.abs() < 1e-3 && closed.kinetic == 89.0, "{closed:?}");
+        assert!((closed.copper - 100.0).abs() < 1e-3 && (closed.drag - 800.0).abs() < 1e-3);
+        assert!((closed.open_circuit_explicit - 0.5).abs() < 1e-3);
+        let open = ledger().report(&FACTORS, 0.01, stored(34.0), 1000.0);
+        assert!((open.residual_rel() - 0.06).abs() < 1e-5, "{open:?}");
         assert_eq!(open.terms()[5], ("copper", open.copper));
         assert_eq!(EnergyReport::default().residual_rel(), 0.0);
+    }
+
+    #[test]
+    fn small_powers_are_not_lost_in_large_sums() {
+        let mut ledger = EnergyLedger::default();
+        let raw = Flows { brake: 1e6, ..Flows::default() };
+        let tiny = Flows { brake: 0.01, ..Flows::default() };
+        for _ in 0..1000 {
+            ledger.book(&raw);
+        }
+        for _ in 0..100_000 {
+            ledger.book(&tiny);
+        }
+        let report = ledger.report(&Flows::ONES, 1.0, Stored::default(), 0.0);
+        assert!((report.brake - 1_000_001_000.0).abs() < 100.0, "{}", report.brake);
+    }
+
+    #[test]
+    fn factors_apply_term_by_term() {
+        let raw = Flows { copper: 3.0, drag: 4.0, ..Flows::default() };
+        let powers = raw.times(&FACTORS);
+        assert_eq!((powers.copper, powers.drag, powers.gear), (6.0, 4.0, 0.0));
     }
 }

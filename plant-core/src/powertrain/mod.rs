@@ -172,7 +172,7 @@ impl Powertrain<EnergyLedger> {
         now: &PowertrainState<EnergyLedger>,
     ) -> EnergyReport {
         let discharged_j = self.battery.discharged_energy_j(&start.battery, &now.battery);
-        now.ledger.report(self.stored(now), discharged_j)
+        now.ledger.report(&self.flow_factors(), self.dt_s, self.stored(now), discharged_j)
     }
 }
 
@@ -356,9 +356,9 @@ impl<L: Book> Powertrain<L> {
         state.battery_v = solution.battery_v;
 
         let rc_increment_v = battery.rc.voltage_v.get() - rc_before_v;
-        let flows =
-            self.flows(state, &input.road, &start, &solution, open_circuit_v, rc_increment_v);
-        state.ledger.book(&flows, self.dt_s);
+        let raw =
+            self.raw_flows(state, &input.road, &start, &solution, open_circuit_v, rc_increment_v);
+        state.ledger.book(&raw);
         PowertrainOutput {
             rejected: false,
             duty: solution.duty,
@@ -374,7 +374,7 @@ impl<L: Book> Powertrain<L> {
             motor_a: state.current_a.get(),
             motor_nm: self.torque_nm_per_a * state.current_a.get(),
             motor_rad_s: self.motor_rad_per_m * state.body.speed_m_s.get(),
-            flows,
+            flows: raw.times(&self.flow_factors()),
         }
     }
 }

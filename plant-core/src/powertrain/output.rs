@@ -56,10 +56,28 @@ pub struct PowertrainOutput {
 }
 
 impl<L: Book> Powertrain<L> {
-    /// Each power from the definitions of its component, at the end of the step, so that the
-    /// ledger checks the elimination and does not repeat it.
+    /// What each raw power of [`raw_flows`](Self::raw_flows) is to be multiplied by.
     #[inline(always)]
-    pub(super) fn flows(
+    pub(super) const fn flow_factors(&self) -> Flows {
+        Flows {
+            series_joule: self.battery.series_resistance_ohm,
+            polarisation_joule: self.battery.rc.conductance_s,
+            copper: self.winding.resistance_ohm,
+            conversion: self.winding.back_emf - self.winding.effort_per_a,
+            viscous: self.coast.viscous,
+            coulomb: self.coast.coulomb,
+            gear: self.gear_loss_n_per_a,
+            rolling: self.body.rolling_n,
+            potential: self.body.weight_n,
+            numerical: 0.5,
+            ..Flows::ONES
+        }
+    }
+
+    /// Each power from the definitions of its component, at the end of the step, so that the
+    /// ledger checks the elimination and does not repeat it; without the constant factors.
+    #[inline(always)]
+    pub(super) fn raw_flows(
         &self,
         state: &PowertrainState<L>,
         road: &Road,
@@ -76,25 +94,29 @@ impl<L: Book> Powertrain<L> {
         let rc_v = state.battery.rc.voltage_v.get();
         let electrochemical = open_circuit_v * battery_a;
         let loads = &start.loads;
+        let (mut converter, mut auxiliary) = (0.0, 0.0);
+        if loads.any {
+            converter = start.converter_ohm * i * i + loads.converter_s * battery_v * battery_v;
+            auxiliary = (loads.constant_a + loads.resistor_s * battery_v) * battery_v;
+        }
         Flows {
             electrochemical,
-            series_joule: self.battery.series_resistance_ohm * battery_a * battery_a,
-            polarisation_joule: rc_v * rc_v * rc.conductance_s,
-            converter: start.converter_ohm * i * i + loads.converter_s * battery_v * battery_v,
-            auxiliary: (loads.constant_a + loads.resistor_s * battery_v) * battery_v,
-            copper: self.winding.resistance_ohm * i * i,
-            conversion: (self.winding.back_emf - self.winding.effort_per_a) * v * i,
-            viscous: self.coast.viscous * v * v,
-            coulomb: self.coast.coulomb * way,
-            gear: self.gear_loss_n_per_a * start.current_a.abs() * way,
+            series_joule: battery_a * battery_a,
+            polarisation_joule: rc_v * rc_v,
+            converter,
+            auxiliary,
+            copper: i * i,
+            conversion: v * i,
+            viscous: v * v,
+            coulomb: way,
+            gear: start.current_a.abs() * way,
             drag: start.resistance.drag_n_s_per_m * (v + road.headwind_m_s) * v,
-            rolling: self.body.rolling_n * road.grade.cos * way,
+            rolling: road.grade.cos * way,
             brake: road.brake_n * way,
-            potential: self.body.weight_n * road.grade.sin * v,
-            numerical: 0.5
-                * (self.winding.inductance_per_h_ohm * di * di
-                    + self.coast.inertia_per_h * dv * dv
-                    + rc.capacitance_per_h_s * rc_increment_v * rc_increment_v),
+            potential: road.grade.sin * v,
+            numerical: self.winding.inductance_per_h_ohm * di * di
+                + self.coast.inertia_per_h * dv * dv
+                + rc.capacitance_per_h_s * rc_increment_v * rc_increment_v,
             throughput: electrochemical.abs(),
         }
     }
