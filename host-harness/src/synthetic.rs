@@ -46,12 +46,12 @@ pub const TRUTH: PowertrainParams = PowertrainParams {
         ..BMW_I3_60AH.powertrain.battery
     },
     body: BodyParams {
-        mass_kg: 1345.0,
+        mass_kg: 1560.0,
         resistance: RoadResistance::Physical {
             drag_coefficient: 0.29,
             frontal_area_m2: 2.38,
             air_density_kg_m3: 1.2,
-            rolling_coefficient: 0.0095,
+            rolling_coefficient: 0.0142,
         },
     },
     ..BMW_I3_60AH.powertrain

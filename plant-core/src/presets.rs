@@ -184,12 +184,12 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
 /// | Value | Source |
 /// |---|---|
 /// | peak torque 250 N·m, peak power 125 kW, gear ratio 9.665, drag 0.29 · 2.38 m² | BMW, technical data of the i3 (60 Ah), 2013 |
-/// | mass 1270 kg | the same: 1195 kg kerb weight (DIN) and a driver of 75 kg |
+/// | mass 1490 kg | estimate: what the motor torque of the 28 trips below accelerates, behind this gear; 1195 kg kerb weight (DIN, BMW), driver, passengers, equipment |
 /// | wheel radius 0.340 m | tyre 155/70 R19, 0.350 m unloaded; rolling radius by ETRTO's circumference of 3.05 diameters |
 /// | 60 Ah, 343.22…399.8 V, 0.1051 Ω and the RC branch | EPowertrain (2025), Table 5.6, identified there on one trip of the real car |
 /// | regeneration 87 N·m, 57 kW; auxiliary base load 530 W; discharge 400 A | extremes, and the median at standstill less heating and air conditioning, of 28 trips of a real car (TU Munich, DOI 10.21227/6jr9-5235) |
 /// | charge limit 150 A | estimate, just above the largest of the same trips (145 A) |
-/// | rolling resistance 0.0084 | EPowertrain (2025), Table 5.6 |
+/// | rolling resistance 0.0131 | estimate from the motor torque of the same trips; it stands for everything that resists at any speed |
 /// | Ke = Kt = 0.27 | estimate: a DC machine that reaches 150 km/h (top speed, BMW) at 311 V without field weakening |
 /// | winding 5 mΩ, 50 µH | estimate: 4.3 kW of heat at 250 N·m; 10 ms |
 /// | rotor 0.031 kg·m², viscous friction | EPowertrain (2025), Table 5.6 |
@@ -230,12 +230,12 @@ pub const BMW_I3_60AH: Vehicle = Vehicle {
         gearbox: GearboxParams { ratio: 9.665, efficiency: 0.97, inertia_kg_m2: 0.0 },
         wheel: WheelParams { radius_m: 0.340, inertia_kg_m2: 2.2, viscous_nm_s_per_rad: 0.0 },
         body: BodyParams {
-            mass_kg: 1270.0,
+            mass_kg: 1490.0,
             resistance: RoadResistance::Physical {
                 drag_coefficient: 0.29,
                 frontal_area_m2: 2.38,
                 air_density_kg_m3: 1.2,
-                rolling_coefficient: 0.0084,
+                rolling_coefficient: 0.0131,
             },
         },
     },
