@@ -41,27 +41,35 @@ impl SocTable {
         field: &'static str,
         points: &[(Real, Real)],
     ) -> Result<Self, ParamError> {
-        if points.len() < 2 || !points[0].0.is_finite() {
+        let [(first, _), _, ..] = points else { return Err(ParamError::NotIncreasing(field)) };
+        if !first.is_finite() {
             return Err(ParamError::NotIncreasing(field));
         }
-        let mut i = 1;
-        while i < points.len() {
-            if !points[i].0.is_finite() || points[i].0 <= points[i - 1].0 {
+        let mut rest = points;
+        while let [(before, _), tail @ ..] = rest
+            && let [(after, _), ..] = tail
+        {
+            if !after.is_finite() || *after <= *before {
                 return Err(ParamError::NotIncreasing(field));
             }
-            i += 1;
+            rest = tail;
         }
         let mut values = [0.0; SOC_POINTS];
-        let (mut point, mut i) = (0, 0);
+        let (mut rest, mut i) = (points, 0);
         while i < SOC_POINTS {
             #[expect(clippy::cast_precision_loss, reason = "at most 64")]
             let soc = i as Real / INTERVALS as Real;
-            while point + 2 < points.len() && points[point + 1].0 < soc {
-                point += 1;
+            while let [_, tail @ ..] = rest
+                && let [(x1, _), _, ..] = tail
+                && *x1 < soc
+            {
+                rest = tail;
             }
-            let ((x0, y0), (x1, y1)) = (points[point], points[point + 1]);
-            let along = super::clamp((soc - x0) / (x1 - x0), 0.0, 1.0);
-            values[i] = y0 + along * (y1 - y0);
+            let [(x0, y0), (x1, y1), ..] = rest else {
+                return Err(ParamError::NotIncreasing(field));
+            };
+            let along = super::clamp((soc - *x0) / (*x1 - *x0), 0.0, 1.0);
+            values[i] = *y0 + along * (*y1 - *y0);
             i += 1;
         }
         Self::new(field, values)

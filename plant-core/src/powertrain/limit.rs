@@ -34,7 +34,7 @@ impl<L: Book> Powertrain<L> {
         if starved {
             start.loads = Loads::default();
             start.bus = source;
-            solution = self.solve(&start, commanded.duty);
+            solution = self.solve_again(&start, commanded.duty);
         }
         let charging = solution.battery_a < -limits.charge_a;
         let limited = if charging {
@@ -52,6 +52,12 @@ impl<L: Book> Powertrain<L> {
         Held { start, solution, limited, starved }
     }
 
+    /// The hot path's solution once more; not inlined, to save flash.
+    #[inline(never)]
+    fn solve_again(&self, start: &Start, duty: Real) -> Solution {
+        self.solve(start, duty)
+    }
+
     /// The step at whose duty the drive draws `allowed_a`.
     ///
     /// Within a friction mode (forward, backward, stuck) the current is
@@ -63,7 +69,7 @@ impl<L: Book> Powertrain<L> {
         while tries < TRIES {
             let slip = solution.motion.slip;
             let root = self.drive(start, slip).drawing(allowed_a, commanded.duty);
-            solution = self.solve(start, self.converter.allowed_duty(root));
+            solution = self.solve_again(start, self.converter.allowed_duty(root));
             if solution.motion.slip == slip {
                 break;
             }

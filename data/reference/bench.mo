@@ -1,0 +1,34 @@
+model Bench "DC source, ideal converter, DC motor, turning load; duty given or by a PI controller"
+  parameter Real U = 400 "V";
+  parameter Real R = 0.025 "Ohm";
+  parameter Real L = 1e-3 "H";
+  parameter Real Ke = 0.7144 "V.s/rad";
+  parameter Real Kt = 0.72 "N.m/A";
+  parameter Real J = 0.031 + 10 "rotor and load, kg.m2";
+  parameter Real b = 5e-4 + 8.5e-6 "rotor and load, N.m.s/rad";
+  parameter Real closed = 0 "1: closed loop";
+  parameter Real d0 = 0 "open loop: duty at the start of this piece";
+  parameter Real d1 = 0 "open loop: its slope, 1/s";
+  parameter Real K = 0.05 "s/rad";
+  parameter Real I = 0.02 "1/rad";
+  parameter Real Smt = 1e3 "1/s";
+  parameter Real A = 150 "closed loop: amplitude, rad/s";
+  parameter Real omega = 0.628318530717958648 "rad/s";
+  Real i(start = 0, fixed = true) "winding current, A";
+  Real w(start = 0, fixed = true) "rad/s";
+  Real z(start = 0, fixed = true) "integral of the error, rad";
+  Real u(start = 0, fixed = true) "output of the controller";
+  Real E(start = 0, fixed = true) "out of the source, J";
+  Real e "rad/s";
+  Real D "duty";
+  Real Is "source current, A";
+equation
+  e = A*(1 - cos(omega*time))/2 - w;
+  der(z) = closed*e;
+  der(u) = closed*Smt*(K*e + I*z - u);
+  D = closed*u + (1 - closed)*(d0 + d1*time);
+  Is = D*i;
+  D*U = R*i + L*der(i) + Ke*w;
+  J*der(w) = Kt*i - b*w;
+  der(E) = U*Is;
+end Bench;
