@@ -5,7 +5,10 @@
 //! command.
 
 mod args;
+mod counts;
 mod data;
+mod firmware;
+mod image;
 mod metadata;
 mod parts;
 mod readme;

@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 
 use crate::data;
+use crate::firmware;
 use crate::metadata::Metadata;
 use crate::shell::{cargo, output, program, run};
 
@@ -30,6 +31,22 @@ pub const PARTS: &[Part] = &[
     part("docs", "the documentation builds without a warning", docs),
     part("thumb", "plant-core builds for Cortex-M4F with each set of features", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
+    Part {
+        needs_data: true,
+        ..part("validate", "every published experiment and an independent solution", validate)
+    },
+    part(
+        "firmware",
+        "the firmware passes its own checks and builds for a board",
+        firmware::firmware,
+    ),
+    part(
+        "bits",
+        "the same bits after every step here and in QEMU, at each opt-level",
+        firmware::bits,
+    ),
+    part("image", "nothing that panics, allocates or is double is linked", crate::image::image),
+    part("counts", "what each step costs on target is no more than before", crate::counts::counts),
     part("readme", "the README's figures are those of this code", crate::readme::readme),
 ];
 
@@ -47,7 +64,8 @@ fn setup() -> Result<()> {
     for component in ["rustfmt", "clippy"] {
         rustup("component", component)?;
     }
-    rustup("target", TARGET)
+    rustup("target", TARGET)?;
+    firmware::setup()
 }
 
 /// Has rustup add a component or target that is not installed yet.
@@ -121,6 +139,17 @@ fn replay() -> Result<()> {
     }
     run(cargo().args(["run", "--release", "--", "replay", "udds", "--out"]).arg(&out))?;
     check_replay(&out)
+}
+
+fn validate() -> Result<()> {
+    let mut command = cargo();
+    command.args(["run", "--release", "-p", "voltstep", "--", "validate"]);
+    if let Some(folder) = data::folder() {
+        command.env(data::VARIABLE, data::absolute(folder)?);
+    } else {
+        command.env_remove(data::VARIABLE);
+    }
+    run(&mut command)
 }
 
 /// The folder holds a summary, a trace and a report, none of them empty.

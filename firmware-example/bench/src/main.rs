@@ -1,0 +1,176 @@
+#![no_std]
+#![no_main]
+//! Calls every step function at every step of UDDS, each on a painted stack of its own. QEMU's
+//! plugin counts the instructions between call and return; this program says how much stack each
+//! used and how large its state is.
+
+mod items;
+mod stack;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use panic_halt as _;
+use plant_core::auxiliary::AuxiliaryInput;
+use plant_core::battery::{BatteryInput, BatteryState, RcBranchInput, RcBranchState};
+use plant_core::body::{BodyInput, BodyState};
+use plant_core::converter::ConverterInput;
+use plant_core::dc_motor::{DcMotorInput, DcMotorState};
+use plant_core::driver::{DriverInput, DriverState};
+use plant_core::gearbox::GearboxInput;
+use plant_core::pid::{PidInput, PidState};
+use plant_core::powertrain::PowertrainInput;
+use plant_core::rotational::{AxisInput, AxisState, RotationalLoadInput, RotationalLoadState};
+use plant_core::sensors::{
+    AxialSpeedSensorInput, AxialSpeedSensorState, CurrentSensorInput, VoltageSensorInput,
+};
+use plant_core::slope::{SlopeInput, SlopeState};
+use plant_core::sources::{PhaseState, TimeTableState};
+use plant_core::wheel::WheelInput;
+use voltstep_trace::{
+    BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
+};
+
+use crate::stack::{call, painted};
+
+/// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
+const WHEEL_RAD_PER_M: f32 = 2.94;
+const RATIO: f32 = 9.665;
+
+#[entry]
+fn main() -> ! {
+    if run().is_none() {
+        hprintln!("failed");
+        debug::exit(debug::EXIT_FAILURE);
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Declares the stack of each item, calls them in the loop's body, then reports.
+macro_rules! report {
+    ($($item:ident: $state:expr,)+) => {
+        $(hprintln!("item {} {} {}", stringify!($item), core::mem::size_of_val(&$state), $item.used());)+
+    };
+}
+
+#[allow(clippy::too_many_lines, reason = "a list")]
+fn run() -> Option<()> {
+    painted!(
+        nothing,
+        plant_pid_off,
+        plant_pid_on,
+        plant_torque_off,
+        plant_torque_on,
+        powertrain,
+        battery,
+        rc_branch,
+        auxiliary,
+        converter,
+        dc_motor,
+        gearbox,
+        wheel,
+        body,
+        rotational_load,
+        axis,
+        slope,
+        pid,
+        torque_driver,
+        voltage_sensor,
+        current_sensor,
+        speed_sensor,
+        time_table,
+        sine
+    );
+    let mut clock = TimeTableState::default();
+    let mut pid_off = EPOWERTRAIN.start().ok()?;
+    let mut pid_on = EPOWERTRAIN_LEDGER.start().ok()?;
+    let mut torque_off = BMW_I3.start().ok()?;
+    let mut torque_on = BMW_I3_LEDGER.start().ok()?;
+    let mut plant = torque_off.plant;
+    let mut battery_state = BatteryState::rested(0.9).ok()?;
+    let mut rc_state = RcBranchState::default();
+    let mut motor_state = DcMotorState::default();
+    let (mut gearbox_state, mut wheel_state) = (0.0, 0.0);
+    let mut body_state = BodyState::default();
+    let mut load_state = RotationalLoadState::default();
+    let mut axis_state = AxisState::default();
+    let mut slope_state = SlopeState::starting_at(0.0, 0.0);
+    let mut pid_state = PidState::default();
+    let mut driver_state = DriverState::default();
+    let mut speed_sensor_state = AxialSpeedSensorState::default();
+    let mut table_state = TimeTableState::default();
+    let mut sine_state = PhaseState::default();
+
+    for _ in 0..BLOCKS * STEPS_PER_BLOCK {
+        let reference = REFERENCE.step(&mut clock, ());
+        call!(nothing, items::bench_nothing, &mut (), &());
+        call!(plant_pid_off, items::bench_plant_pid_off, &mut pid_off, &reference);
+        call!(plant_pid_on, items::bench_plant_pid_on, &mut pid_on, &reference);
+        let seen = torque_off.seen;
+        let driven = DriverInput {
+            reference_m_s: reference.value,
+            reference_m_s2: reference.rate_per_s,
+            vehicle: seen,
+        };
+        call!(torque_driver, items::bench_torque_driver, &mut driver_state, &driven);
+        call!(plant_torque_off, items::bench_plant_torque_off, &mut torque_off, &reference);
+        call!(plant_torque_on, items::bench_plant_torque_on, &mut torque_on, &reference);
+
+        // The components on what the car does.
+        let seen = torque_off.seen;
+        let (v, i) = (seen.speed_m_s, seen.motor_a);
+        let wheel_rad_s = WHEEL_RAD_PER_M * v;
+        let motor_rad_s = RATIO * wheel_rad_s;
+        let motor_nm = 0.27 * i;
+        let current_a = seen.duty * i;
+        let distance_m = torque_off.plant.body.distance_m.get();
+        let input = PowertrainInput { duty: seen.duty, ..PowertrainInput::default() };
+        call!(powertrain, items::bench_powertrain, &mut plant, &input);
+        call!(battery, items::bench_battery, &mut battery_state, &BatteryInput { current_a });
+        let input = RcBranchInput { discharge_a: current_a };
+        call!(rc_branch, items::bench_rc_branch, &mut rc_state, &input);
+        let input = AuxiliaryInput { voltage_v: seen.battery_v, power_w: 100.0 };
+        call!(auxiliary, items::bench_auxiliary, &mut (), &input);
+        let input = ConverterInput { duty: seen.duty, input_v: seen.battery_v, output_a: i };
+        call!(converter, items::bench_converter, &mut (), &input);
+        let input = DcMotorInput { voltage_v: seen.duty * seen.battery_v, load_nm: 0.5 * motor_nm };
+        call!(dc_motor, items::bench_dc_motor, &mut motor_state, &input);
+        let input = GearboxInput { motor_nm, wheel_rad_s };
+        call!(gearbox, items::bench_gearbox, &mut gearbox_state, &input);
+        let input = WheelInput { axle_nm: RATIO * motor_nm, speed_m_s: v };
+        call!(wheel, items::bench_wheel, &mut wheel_state, &input);
+        let input =
+            BodyInput { force_n: RATIO * WHEEL_RAD_PER_M * motor_nm, ..BodyInput::default() };
+        call!(body, items::bench_body, &mut body_state, &input);
+        let input = RotationalLoadInput { torque_nm: motor_nm };
+        call!(rotational_load, items::bench_rotational_load, &mut load_state, &input);
+        let input = AxisInput { speed_rad_s: motor_rad_s, torque_nm: motor_nm };
+        call!(axis, items::bench_axis, &mut axis_state, &input);
+        let input = SlopeInput { height_m: 0.01 * distance_m, distance_m };
+        call!(slope, items::bench_slope, &mut slope_state, &input);
+        let input = PidInput { reference: reference.value, measurement: v };
+        call!(pid, items::bench_pid, &mut pid_state, &input);
+        let input = VoltageSensorInput { voltage_v: seen.battery_v };
+        call!(voltage_sensor, items::bench_voltage_sensor, &mut (), &input);
+        let input = CurrentSensorInput { current_a };
+        call!(current_sensor, items::bench_current_sensor, &mut (), &input);
+        let input = AxialSpeedSensorInput { speed_rad_s: motor_rad_s };
+        call!(speed_sensor, items::bench_speed_sensor, &mut speed_sensor_state, &input);
+        call!(time_table, items::bench_time_table, &mut table_state, &());
+        call!(sine, items::bench_sine, &mut sine_state, &());
+    }
+
+    report!(
+        nothing: (), plant_pid_off: pid_off, plant_pid_on: pid_on, plant_torque_off: torque_off,
+        plant_torque_on: torque_on, powertrain: plant, battery: battery_state,
+        rc_branch: rc_state, auxiliary: (), converter: (), dc_motor: motor_state,
+        gearbox: gearbox_state, wheel: wheel_state, body: body_state,
+        rotational_load: load_state, axis: axis_state, slope: slope_state, pid: pid_state,
+        torque_driver: driver_state, voltage_sensor: (), current_sensor: (),
+        speed_sensor: speed_sensor_state, time_table: table_state, sine: sine_state,
+    );
+    hprintln!("soc {} {}", pid_off.seen.soc, torque_off.seen.soc);
+    Some(())
+}

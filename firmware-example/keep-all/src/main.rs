@@ -1,0 +1,140 @@
+#![no_std]
+#![no_main]
+//! Every public function of plant-core in one image, compiled for parameters that are not known:
+//! what could panic, allocate or compute in double precision would be in it. `cargo xtask image`
+//! looks, and demands that this list names every public function.
+
+use core::hint::black_box;
+
+use cortex_m_rt::entry;
+use panic_halt as _;
+use plant_core::auxiliary::Auxiliary;
+use plant_core::battery::{Battery, BatteryState, OpenCircuit, RcBranch};
+use plant_core::body::{Body, Resistance};
+use plant_core::converter::Converter;
+use plant_core::dc_motor::{CurrentLaw, DcMotor, Winding};
+use plant_core::driver::{Driver, TorqueDriver};
+use plant_core::energy::{EnergyLedger, EnergyReport, NoLedger};
+use plant_core::gearbox::Gearbox;
+use plant_core::num::{self, SocTable};
+use plant_core::pid::{Pid, PidState};
+use plant_core::port::{self, Coast, Slip, Source};
+use plant_core::powertrain::Powertrain;
+use plant_core::rotational::{Axis, RotationalLoad};
+use plant_core::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
+use plant_core::slope::{Grade, Slope, SlopeState};
+use plant_core::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
+use plant_core::wheel::Wheel;
+use plant_core::{Accum, Dt, ParamError};
+
+type Plain = Powertrain<NoLedger>;
+type Ledgered = Powertrain<EnergyLedger>;
+
+/// Keeps functions that the linker would drop.
+macro_rules! keep {
+    ($($function:expr),+ $(,)?) => { $(black_box($function as *const ());)+ };
+}
+
+#[entry]
+fn main() -> ! {
+    components();
+    drive();
+    numbers();
+    controls();
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+#[rustfmt::skip]
+fn components() {
+    keep!(
+        Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::step,
+        BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::next,
+        Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,
+        Battery::is_depleted, Battery::is_full, Battery::step,
+        OpenCircuit::at, OpenCircuit::mean, RcBranch::new, RcBranch::step,
+        Resistance::solve, Body::new, Body::coast, Body::resistance, Body::settle, Body::step,
+        Converter::new, Converter::allowed_duty, Converter::series_ohm, Converter::shunt_s,
+        Converter::seen_through, Converter::step,
+        CurrentLaw::increment_a, Winding::reflected, Winding::law,
+        DcMotor::new, DcMotor::winding, DcMotor::coast, DcMotor::step, DcMotor::step_at_speed,
+        Gearbox::new, Gearbox::coast, Gearbox::loss_ratio, Gearbox::step,
+        Wheel::new, Wheel::axle_rad_s, Wheel::coast, Wheel::step,
+        Axis::new, Axis::step,
+        RotationalLoad::new, RotationalLoad::solve, RotationalLoad::settle, RotationalLoad::step,
+        VoltageSensor::new, VoltageSensor::step, CurrentSensor::new, CurrentSensor::step,
+        AxialSpeedSensor::new, AxialSpeedSensor::step,
+        Grade::from_sin, Grade::from_ratio, SlopeState::starting_at, Slope::new, Slope::step,
+    );
+}
+
+#[rustfmt::skip]
+fn drive() {
+    keep!(
+        Driver::new, Driver::step, TorqueDriver::new, TorqueDriver::step,
+        PidState::integral, PidState::output, PidState::reset,
+        Pid::new, Pid::preload, Pid::feed_back, Pid::saturate, Pid::step,
+        Powertrain::new, Powertrain::with_ledger, Powertrain::energy,
+        Plain::at_rest, Plain::at_speed, Plain::feedback, Plain::battery, Plain::motor_rad_per_m,
+        Plain::moving_mass_kg, Plain::step, Ledgered::at_rest, Ledgered::at_speed,
+        Ledgered::step,
+        EnergyReport::terms, EnergyReport::residual_rel,
+        Step::new, Step::step, Ramp::new, Ramp::step, Sine::new, Sine::step, Square::new,
+        Square::step, UnitDelay::new, UnitDelay::step, Saturation::new, Saturation::step,
+        TimeTable::new, TimeTable::step,
+    );
+}
+
+#[rustfmt::skip]
+fn numbers() {
+    keep!(
+        ParamError::field, ParamError::message, Dt::from_s, Dt::s,
+        Accum::new, Accum::get, Accum::add, Accum::since, Accum::add_sum, Accum::scaled,
+        num::max, num::min, num::clamp, num::sane, num::sound, num::sign, num::lag_gain, num::sqrt,
+        num::floor, num::wrap_turns, num::sin_cos_turns,
+        SocTable::new, SocTable::from_points, SocTable::at, SocTable::mean, SocTable::values,
+        SocTable::is_monotone,
+        Source::stiff, Source::voltage_v, Source::loaded, Coast::plus, Coast::reflected,
+        Coast::slope, Slip::sign, port::project,
+    );
+}
+
+/// What the checks must find when asked to: each of them sees that it can fail.
+fn controls() {
+    #[cfg(feature = "control-panic")]
+    {
+        let squares = black_box(&[1, 4, 9][..]);
+        black_box(squares[black_box(2)]);
+    }
+    #[cfg(feature = "control-double")]
+    black_box(black_box(1.5_f64) * 1.1);
+    #[cfg(feature = "control-alloc")]
+    {
+        let boxed = alloc::boxed::Box::new(black_box(7));
+        black_box(boxed);
+    }
+}
+
+#[cfg(feature = "control-alloc")]
+mod heap {
+    use core::alloc::{GlobalAlloc, Layout};
+
+    /// Gives nothing: it only has to be linked.
+    struct Empty;
+
+    // SAFETY: it never gives memory away.
+    unsafe impl GlobalAlloc for Empty {
+        unsafe fn alloc(&self, _layout: Layout) -> *mut u8 {
+            core::ptr::null_mut()
+        }
+
+        unsafe fn dealloc(&self, _memory: *mut u8, _layout: Layout) {}
+    }
+
+    #[global_allocator]
+    static HEAP: Empty = Empty;
+}
+
+#[cfg(feature = "control-alloc")]
+extern crate alloc;

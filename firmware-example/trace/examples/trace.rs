@@ -1,0 +1,42 @@
+//! What the firmware's `sim` says, on this machine: `trace VEHICLE [BLOCK]`.
+//!
+//! `block N HASH` after each block; with a BLOCK also every frame in it.
+
+use plant_core::energy::NoLedger;
+use voltstep_trace::{BMW_I3, EPOWERTRAIN, Rig, Run};
+
+fn main() {
+    let mut words = std::env::args().skip(1);
+    let (vehicle, block) = (words.next(), words.next().and_then(|word| word.parse().ok()));
+    match vehicle.as_deref() {
+        Some("epowertrain-udds") => print(&EPOWERTRAIN, block),
+        Some("bmw-i3-60ah") => print(&BMW_I3, block),
+        _ => {
+            eprintln!("usage: trace epowertrain-udds|bmw-i3-60ah [BLOCK]");
+            std::process::exit(2);
+        }
+    }
+}
+
+fn print(rig: &Rig<NoLedger>, wanted: Option<u32>) {
+    let mut run = Run::new(rig).expect("the preset starts");
+    let mut block = 0;
+    while !run.ended() {
+        let step = run.steps();
+        let frame = run.step(rig);
+        if wanted == Some(block) {
+            println!("frame {step} {:08x?}", frame.0);
+        }
+        if let Some(completed) = run.block_completed() {
+            println!("block {completed} {:016x}", run.hash());
+            block = completed + 1;
+        }
+    }
+    println!(
+        "result hash {:016x} soc {} distance_m {} rejected {}",
+        run.hash(),
+        run.state.plant.battery.soc.get(),
+        run.state.plant.body.distance_m.get(),
+        run.rejected()
+    );
+}

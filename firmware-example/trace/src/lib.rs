@@ -1,0 +1,44 @@
+#![no_std]
+#![forbid(unsafe_code)]
+//! One vehicle with its driver, driven along UDDS at 1 kHz, and a hash of every bit of its state
+//! after every step. The same code runs in the firmware and in a test on the host.
+
+mod hash;
+mod rig;
+mod run;
+
+pub use hash::Fnv1a;
+pub use rig::{Frame, Rig, RigState};
+pub use run::Run;
+
+use plant_core::Dt;
+use plant_core::energy::{EnergyLedger, NoLedger};
+use plant_core::must;
+use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
+use plant_core::sources::{AtEnd, TimeTable, TimeTableParams};
+
+/// The step.
+pub const DT: Dt = must!(Dt::from_s(1e-3));
+
+/// Steps per second, and per line of the block hashes.
+pub const STEPS_PER_BLOCK: u32 = 1000;
+
+/// UDDS: time \[s\], speed \[m/s\].
+#[allow(clippy::unreadable_literal, reason = "made by build.rs")]
+pub static CYCLE: &[(f32, f32)] = include!(concat!(env!("OUT_DIR"), "/udds.rs"));
+
+/// Blocks in the cycle: its points are one second apart.
+pub const BLOCKS: u32 = 1369;
+
+/// The speed to follow.
+pub const REFERENCE: TimeTable<'static> =
+    must!(TimeTable::new(TimeTableParams { points: CYCLE, at_end: AtEnd::Hold }, DT));
+
+/// The vehicle of the published state of charge, driven by its PID from speed to duty.
+pub const EPOWERTRAIN: Rig<NoLedger> = must!(Rig::new(&EPOWERTRAIN_UDDS, DT));
+/// The same with its energy ledger.
+pub const EPOWERTRAIN_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&EPOWERTRAIN_UDDS, DT));
+/// A physical car, driven by torque, with brake blending and a lossy converter.
+pub const BMW_I3: Rig<NoLedger> = must!(Rig::new(&BMW_I3_60AH, DT));
+/// The same with its energy ledger.
+pub const BMW_I3_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&BMW_I3_60AH, DT));

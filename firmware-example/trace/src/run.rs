@@ -1,0 +1,77 @@
+//! A vehicle on its way along the cycle.
+
+use plant_core::ParamError;
+use plant_core::energy::Book;
+use plant_core::sources::TimeTableState;
+
+use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK};
+
+/// A vehicle on its way along the cycle, and the hash of all that was.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<L> {
+    /// Where it is.
+    pub state: RigState<L>,
+    clock: TimeTableState,
+    hash: Fnv1a,
+    steps: u32,
+    rejected: bool,
+}
+
+impl<L: Book> Run<L> {
+    /// At the start of the cycle.
+    ///
+    /// # Errors
+    /// [`ParamError::NotARatio`] for a vehicle whose state of charge is none.
+    pub fn new(rig: &Rig<L>) -> Result<Self, ParamError> {
+        let state = rig.start()?;
+        let (clock, hash) = (TimeTableState::default(), Fnv1a::default());
+        Ok(Self { state, clock, hash, steps: 0, rejected: false })
+    }
+
+    /// One step: reference, driver, plant, hash. What it left behind.
+    #[inline]
+    pub fn step(&mut self, rig: &Rig<L>) -> Frame {
+        let reference = REFERENCE.step(&mut self.clock, ());
+        self.rejected |= !rig.step(&mut self.state, reference);
+        self.steps += 1;
+        let frame = Frame::of(&self.state);
+        for word in frame.0 {
+            self.hash.word(word);
+        }
+        frame
+    }
+
+    /// Whether the cycle is over.
+    #[must_use]
+    pub const fn ended(&self) -> bool {
+        self.steps == BLOCKS * STEPS_PER_BLOCK
+    }
+
+    /// Steps made.
+    #[must_use]
+    pub const fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// The number of the block that the last step completed.
+    #[must_use]
+    pub const fn block_completed(&self) -> Option<u32> {
+        if self.steps > 0 && self.steps.is_multiple_of(STEPS_PER_BLOCK) {
+            Some(self.steps / STEPS_PER_BLOCK - 1)
+        } else {
+            None
+        }
+    }
+
+    /// The hash of every frame so far.
+    #[must_use]
+    pub const fn hash(&self) -> u64 {
+        self.hash.get()
+    }
+
+    /// Whether the plant refused a step.
+    #[must_use]
+    pub const fn rejected(&self) -> bool {
+        self.rejected
+    }
+}

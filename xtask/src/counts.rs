@@ -1,0 +1,358 @@
+//! What a step costs on a Cortex-M4F: instructions, counted in QEMU over UDDS at 1 kHz; flash,
+//! state and stack in bytes. No figure is written by hand.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::{Value, json};
+
+use crate::firmware::{self, TARGET};
+use crate::shell::{output, program, run};
+
+/// What is counted, and its row in the table.
+const ITEMS: &[(&str, &str)] = &[
+    ("plant_pid_off", "coupled plant + PID driver (`epowertrain-udds`)"),
+    ("plant_pid_on", "the same with the energy ledger"),
+    ("plant_torque_off", "coupled plant + torque driver (`bmw-i3-60ah`)"),
+    ("plant_torque_on", "the same with the energy ledger"),
+    ("powertrain", "coupled plant alone (`bmw-i3-60ah`), every output kept"),
+    ("battery", "battery"),
+    ("rc_branch", "RC branch"),
+    ("auxiliary", "auxiliary load"),
+    ("converter", "converter"),
+    ("dc_motor", "DC motor"),
+    ("gearbox", "gearbox"),
+    ("wheel", "wheel"),
+    ("body", "body"),
+    ("rotational_load", "rotational load"),
+    ("axis", "axis"),
+    ("slope", "slope"),
+    ("pid", "PID"),
+    ("torque_driver", "torque driver"),
+    ("voltage_sensor", "voltage sensor"),
+    ("current_sensor", "current sensor"),
+    ("speed_sensor", "axial speed sensor"),
+    ("time_table", "time table (UDDS, 11 kB, in its flash)"),
+    ("sine", "sine"),
+];
+
+/// An empty function: `push`, `mov`, `pop`. The target keeps frame pointers.
+const NOTHING: (&str, u64) = ("nothing", 3);
+
+/// The names of the counted functions begin with this.
+const PREFIX: &str = "bench_";
+
+/// How much worse than the baseline a figure may be.
+const ALLOWED: f64 = 1.02;
+
+/// Committed: what the last accepted code cost.
+const BASELINE: &str = "firmware-example/baseline.json";
+/// Set to accept what the code costs now.
+const ACCEPT: &str = "VOLTSTEP_ACCEPT_COUNTS";
+
+const README: &str = "README.md";
+/// Where the table goes when the README has no place for it.
+const PAGE: &str = "docs/counts.md";
+const BEGIN: &str = "<!-- counts:begin -->";
+const END: &str = "<!-- counts:end -->";
+
+/// Instructions per call: least, mean, most.
+type Counted = (u64, f64, u64);
+
+/// What one item costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cost {
+    min: u64,
+    mean: f64,
+    max: u64,
+    flash: u64,
+    state: u64,
+    stack: u64,
+}
+
+impl Cost {
+    /// The figures that the gate watches.
+    fn watched(self) -> [(&'static str, f64); 5] {
+        #[expect(clippy::cast_precision_loss, reason = "figures are far below 2^53")]
+        let real = |figure: u64| figure as f64;
+        [
+            ("mean", self.mean),
+            ("max", real(self.max)),
+            ("flash", real(self.flash)),
+            ("state", real(self.state)),
+            ("stack", real(self.stack)),
+        ]
+    }
+
+    fn to_json(self) -> Value {
+        let watched = self.watched().map(|(name, figure)| (String::from(name), json!(figure)));
+        Value::Object(watched.into_iter().collect())
+    }
+}
+
+/// Counts, writes the table, compares with the baseline.
+pub fn counts() -> Result<()> {
+    let costs = measure()?;
+    let rows: Vec<(&str, Cost)> = ITEMS
+        .iter()
+        .map(|(name, about)| Ok((*about, *costs.get(*name).with_context(|| missing(name))?)))
+        .collect::<Result<_>>()?;
+    publish(&table(&rows))?;
+    let path = firmware::root().join(BASELINE);
+    if std::env::var_os(ACCEPT).is_some() {
+        let all: serde_json::Map<_, _> =
+            costs.iter().map(|(name, cost)| (name.clone(), cost.to_json())).collect();
+        fs::write(&path, format!("{:#}\n", Value::Object(all)))?;
+        println!("{BASELINE} is accepted");
+        return Ok(());
+    }
+    let baseline = fs::read_to_string(&path)
+        .with_context(|| format!("no {BASELINE}; {ACCEPT}=1 cargo xtask counts makes it"))?;
+    gate(&serde_json::from_str(&baseline).context(BASELINE)?, &costs)
+}
+
+fn missing(name: &str) -> String {
+    format!("`{name}` was not measured")
+}
+
+/// Runs the bench image under the plugin and sizes one image per item.
+fn measure() -> Result<BTreeMap<String, Cost>> {
+    firmware::build(&["-p", "voltstep-bench", "--bin", "voltstep-bench"], &[])?;
+    let elf = firmware::binary("voltstep-bench")?;
+    let nm = output(program("arm-none-eabi-nm").arg(&elf))?;
+    let functions = functions(&nm);
+    let log = elf.with_extension("counts");
+    let plugin = plugin(&elf)?;
+    let mut items = String::new();
+    for (name, address) in &functions {
+        let _ = write!(items, ",item={name}@{address}");
+    }
+    let said = output(
+        program("qemu-system-arm")
+            .args(["-cpu", "cortex-m4", "-machine", "mps2-an386", "-nographic"])
+            .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(&elf)
+            .args(["-d", "plugin", "-D"])
+            .arg(&log)
+            .arg("-plugin")
+            .arg(format!("{}{items}", plugin.display())),
+    )?;
+    let counted = fs::read_to_string(&log).context("the plugin wrote no log")?;
+    let empty = flash("none")?;
+    let mut costs = BTreeMap::new();
+    for (name, (min, mean, max)) in parse_counts(&counted)? {
+        if name == NOTHING.0 {
+            ensure!((min, max) == (NOTHING.1, NOTHING.1), "an empty function counts {min}..{max}");
+            continue;
+        }
+        let (state, stack) = parse_item(&said, &name).with_context(|| missing(&name))?;
+        let flash = flash(&format!("{PREFIX}{name}"))? - empty;
+        costs.insert(name, Cost { min, mean, max, flash, state, stack });
+    }
+    Ok(costs)
+}
+
+/// Compiles the plugin beside the image.
+fn plugin(elf: &Path) -> Result<PathBuf> {
+    let plugin = elf.with_file_name("count.so");
+    run(program("cc")
+        .args(["-O2", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-o"])
+        .arg(&plugin)
+        .arg("xtask/qemu/count.c"))?;
+    Ok(plugin)
+}
+
+/// The counted functions in the output of nm, with their addresses.
+fn functions(nm: &str) -> Vec<(&str, String)> {
+    nm.lines()
+        .filter_map(|line| {
+            let mut words = line.split_whitespace();
+            let (address, _, symbol) = (words.next()?, words.next()?, words.next()?);
+            Some((symbol.strip_prefix(PREFIX)?, format!("0x{address}")))
+        })
+        .collect()
+}
+
+/// Minimum, mean and maximum of each item, from the plugin's log.
+fn parse_counts(log: &str) -> Result<Vec<(String, Counted)>> {
+    log.lines()
+        .filter_map(|line| line.strip_prefix("count "))
+        .map(|line| {
+            let words: Vec<_> = line.split(' ').collect();
+            let [name, figures @ ..] = &words[..] else { bail!("cannot read `{line}`") };
+            let figures: Vec<u64> =
+                figures.iter().map(|word| word.parse()).collect::<Result<_, _>>()?;
+            let [calls, sum, min, max, _at] = figures[..] else { bail!("cannot read `{line}`") };
+            ensure!(calls > 0, "`{name}` was never called, or is one function with another item");
+            #[expect(clippy::cast_precision_loss, reason = "sums stay below 2^53")]
+            let mean = sum as f64 / calls as f64;
+            // As many places as the table shows, so that baseline and table agree.
+            Ok((String::from(*name), (min, (mean * 10.0).round() / 10.0, max)))
+        })
+        .collect()
+}
+
+/// Bytes of state and stack of an item, from what the image says.
+fn parse_item(said: &str, name: &str) -> Option<(u64, u64)> {
+    let line = said.lines().find_map(|line| line.strip_prefix(&format!("item {name} ")))?;
+    let (state, stack) = line.split_once(' ')?;
+    Some((state.parse().ok()?, stack.trim().parse().ok()?))
+}
+
+/// Bytes of flash of an image with one item in it.
+fn flash(item: &str) -> Result<u64> {
+    firmware::build(&["-p", "voltstep-bench", "--bin", "flash"], &[("VOLTSTEP_ITEM", item)])?;
+    let sizes = output(program("arm-none-eabi-size").arg("-A").arg(firmware::binary("flash")?))?;
+    section_bytes(&sizes, &[".text", ".rodata", ".data"])
+}
+
+/// The sum of some sections in the output of `size -A`.
+fn section_bytes(sizes: &str, sections: &[&str]) -> Result<u64> {
+    let mut sum = 0;
+    for line in sizes.lines() {
+        let mut words = line.split_whitespace();
+        if let (Some(section), Some(bytes)) = (words.next(), words.next())
+            && sections.contains(&section)
+        {
+            sum += bytes.parse::<u64>().with_context(|| format!("cannot read `{line}`"))?;
+        }
+    }
+    ensure!(sum > 0, "the image is empty");
+    Ok(sum)
+}
+
+fn table(rows: &[(&str, Cost)]) -> String {
+    let mut text = String::from(
+        "| One step of | mean | least | most | flash | state | stack |\n\
+         |---|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for (about, c) in rows {
+        let _ = writeln!(
+            text,
+            "| {about} | {:.1} | {} | {} | {} | {} | {} |",
+            c.mean, c.min, c.max, c.flash, c.state, c.stack
+        );
+    }
+    let _ = write!(
+        text,
+        "\nInstructions per step on a Cortex-M4F (`{TARGET}`, opt-level 3), counted exactly in \
+         QEMU at every step of UDDS at 1 kHz, from the first of the function to its return; flash, state and \
+         worst-case stack in bytes. QEMU counts instructions, not cycles: a load takes more than \
+         one, a division 14. Made by `cargo xtask counts`.\n"
+    );
+    text
+}
+
+/// Puts the table between its markers: in the README where it has them, else on a page.
+fn publish(table: &str) -> Result<()> {
+    let readme = firmware::root().join(README);
+    let text = fs::read_to_string(&readme).unwrap_or_default();
+    if let Some(text) = between_markers(&text, table) {
+        return fs::write(&readme, text).context(README);
+    }
+    let page = firmware::root().join(PAGE);
+    if let Some(folder) = page.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let text = fs::read_to_string(&page)
+        .unwrap_or_else(|_| format!("# What a step costs\n\n{BEGIN}\n{END}\n"));
+    let text = between_markers(&text, table).with_context(|| format!("{PAGE} has no {BEGIN}"))?;
+    fs::write(&page, text).context(PAGE)
+}
+
+fn between_markers(text: &str, table: &str) -> Option<String> {
+    let start = text.find(BEGIN)? + BEGIN.len();
+    let end = start + text[start..].find(END)?;
+    Some(format!("{}\n{table}{}", &text[..start], &text[end..]))
+}
+
+/// Fails where a figure is worse than the baseline allows, or an item is not in it.
+fn gate(baseline: &Value, costs: &BTreeMap<String, Cost>) -> Result<()> {
+    let mut worse = String::new();
+    for (name, cost) in costs {
+        for (figure, now) in cost.watched() {
+            match baseline[name][figure].as_f64() {
+                Some(then) if now <= then * ALLOWED => {}
+                Some(then) => {
+                    let _ = write!(worse, "\n  {name}: {figure} {then} → {now}");
+                }
+                None => {
+                    let _ = write!(worse, "\n  {name}: {figure} is not in the baseline");
+                }
+            }
+        }
+    }
+    ensure!(
+        worse.is_empty(),
+        "worse than {BASELINE} by more than 2 %:{worse}\nif that is wanted: {ACCEPT}=1 cargo xtask counts"
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COST: Cost = Cost { min: 90, mean: 100.0, max: 110, flash: 1000, state: 16, stack: 40 };
+
+    fn baseline() -> Value {
+        json!({ "battery": COST.to_json() })
+    }
+
+    fn costs(cost: Cost) -> BTreeMap<String, Cost> {
+        BTreeMap::from([(String::from("battery"), cost)])
+    }
+
+    #[test]
+    fn the_gate_lets_two_percent_pass_and_no_more() {
+        assert!(gate(&baseline(), &costs(COST)).is_ok());
+        assert!(gate(&baseline(), &costs(Cost { mean: 102.0, max: 1, ..COST })).is_ok());
+        for worse in [
+            Cost { mean: 102.1, ..COST },
+            Cost { max: 113, ..COST },
+            Cost { flash: 1021, ..COST },
+            Cost { state: 20, ..COST },
+            Cost { stack: 48, ..COST },
+        ] {
+            let error = gate(&baseline(), &costs(worse)).unwrap_err().to_string();
+            assert!(error.contains("battery"), "{error}");
+        }
+        assert!(gate(&json!({}), &costs(COST)).is_err(), "not in the baseline");
+    }
+
+    #[test]
+    fn logs_are_read() {
+        let counts = parse_counts("count battery 4 402 100 101 2\nrun 40 7\n").unwrap();
+        assert_eq!(counts, [(String::from("battery"), (100, 100.5, 101))]);
+        assert!(parse_counts("count battery 0 0 0 0 0").is_err(), "never called");
+        assert!(parse_counts("count battery 4").is_err());
+        assert_eq!(parse_item("item battery 16 8\n", "battery"), Some((16, 8)));
+        assert_eq!(parse_item("item battery2 16 8\n", "battery"), None);
+        let nm = "00004711 T bench_battery\n00000400 t other\n         U hole\n";
+        assert_eq!(functions(nm), [("battery", String::from("0x00004711"))]);
+        let sizes = ".text   100  1024\n.rodata 20 0\n.debug 9999 0\n.data 4 0\nTotal 1\n";
+        assert_eq!(section_bytes(sizes, &[".text", ".rodata", ".data"]).unwrap(), 124);
+        assert!(section_bytes("", &[".text"]).is_err());
+    }
+
+    #[test]
+    fn the_table_lands_between_its_markers_twice_the_same() {
+        let page = format!("before\n{BEGIN}\nold\n{END}\nafter\n");
+        let new = table(&[("battery", COST)]);
+        assert!(new.contains("| battery | 100.0 | 90 | 110 | 1000 | 16 | 40 |"));
+        let once = between_markers(&page, &new).unwrap();
+        assert_eq!(between_markers(&once, &new).unwrap(), once);
+        assert!(once.starts_with("before\n") && once.ends_with("after\n"));
+        assert!(between_markers("no markers", &new).is_none());
+    }
+
+    #[test]
+    fn item_names_are_unique() {
+        for (i, (name, _)) in ITEMS.iter().enumerate() {
+            assert!(ITEMS[..i].iter().all(|other| other.0 != *name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The workspace in `firmware-example`: its own checks, and the same bits on every machine.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
+
+use crate::shell::{cargo, output, program, run};
+
+/// The microcontroller target: Cortex-M4F.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+const FOLDER: &str = "firmware-example";
+/// Starts an image in QEMU and decodes what it logs.
+const QEMU_RUN: &str = "qemu-run@0.3.1";
+
+/// The vehicles of `sim`, with the features that choose them.
+const VEHICLES: &[(&str, &[&str])] =
+    &[("epowertrain-udds", &[]), ("bmw-i3-60ah", &["--features", "bmw-i3"])];
+
+/// Where the same bits must come out: opt-level, machine, processor.
+const MACHINES: &[(&str, &str, &str)] = &[
+    ("2", "mps2-an386", "cortex-m4"),
+    ("3", "mps2-an386", "cortex-m4"),
+    ("s", "mps2-an386", "cortex-m4"),
+    ("3", "mps2-an500", "cortex-m7"),
+];
+
+/// The workspace's root.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in a folder")
+}
+
+/// Cargo in the firmware's workspace.
+fn firmware_cargo() -> Command {
+    let mut command = cargo();
+    command.current_dir(root().join(FOLDER));
+    command
+}
+
+/// Builds for the target, optimised.
+pub fn build(args: &[&str], variables: &[(&str, &str)]) -> Result<()> {
+    run(firmware_cargo()
+        .args(["build", "--quiet", "--release", "--locked"])
+        .args(args)
+        .envs(variables.iter().copied()))
+}
+
+/// A binary built for the target.
+pub fn binary(name: &str) -> Result<PathBuf> {
+    let args = ["metadata", "--no-deps", "--format-version", "1"];
+    let metadata: Value = serde_json::from_str(&output(firmware_cargo().args(args))?)?;
+    let folder = metadata["target_directory"].as_str().context("cargo names no target folder")?;
+    Ok([folder, TARGET, "release", name].iter().collect())
+}
+
+/// The triple of this machine, as rustc says it.
+fn host() -> Result<String> {
+    let text = output(program("rustc").arg("-vV"))?;
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    Ok(String::from(host.context("rustc names no host")?))
+}
+
+/// Formatting, lints, host tests, every binary, the sensor run, the board's build.
+pub fn firmware() -> Result<()> {
+    run(firmware_cargo().args(["fmt", "--all", "--", "--check"]))?;
+    let host = host()?;
+    let strict = ["--", "-D", "warnings"];
+    run(firmware_cargo().args(["clippy", "--workspace", "--bins", "--locked"]).args(strict))?;
+    run(firmware_cargo()
+        .args(["clippy", "-p", "voltstep-trace", "--all-targets", "--target", &host])
+        .args(strict))?;
+    let board = ["--no-default-features", "--features", "board", "--bin", "board"];
+    run(firmware_cargo().arg("clippy").args(board).args(strict))?;
+    build(&board, &[])?;
+    run(firmware_cargo().args(["test", "--release", "-p", "voltstep-trace", "--target", &host]))?;
+    run(firmware_cargo().args(["run", "--release", "--locked", "--bin", "sensor"]))
+}
+
+/// The same bits after every step on this machine and in QEMU, at each opt-level.
+pub fn bits() -> Result<()> {
+    for (vehicle, features) in VEHICLES {
+        let expected = result(&host_trace(vehicle, None)?)?.to_owned();
+        println!("{vehicle} here: {expected}");
+        for machine in MACHINES {
+            let found = sim(features, machine, "info", None)?;
+            let found = result(&found)?;
+            println!("{vehicle} at opt-level {} on {}: {found}", machine.0, machine.2);
+            if found.split(' ').nth(1) != expected.split(' ').nth(1) {
+                bail!(
+                    "{vehicle} at opt-level {} on {} differs: {}",
+                    machine.0,
+                    machine.2,
+                    first_difference(vehicle, features, machine)?
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What the host says of a vehicle.
+fn host_trace(vehicle: &str, block: Option<&str>) -> Result<String> {
+    let package = ["-p", "voltstep-trace", "--example", "trace", "--target", &host()?];
+    output(
+        firmware_cargo()
+            .args(["run", "--quiet", "--release", "--locked"])
+            .args(package)
+            .args(["--", vehicle])
+            .args(block),
+    )
+}
+
+/// What the firmware says in QEMU.
+fn sim(
+    features: &[&str],
+    (opt_level, machine, cpu): &(&str, &str, &str),
+    log: &str,
+    block: Option<&str>,
+) -> Result<String> {
+    let mut variables = vec![("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level), ("DEFMT_LOG", log)];
+    variables.extend(block.map(|block| ("VOLTSTEP_BLOCK", block)));
+    build(&[&["--bin", "sim"], features].concat(), &variables)?;
+    let elf = binary("sim")?;
+    let mut qemu = program("qemu-run");
+    output(qemu.args([OsStr::new("--machine"), OsStr::new(machine)]).args(["--cpu", cpu]).arg(elf))
+}
+
+/// The rest of the line that begins with `result`, whatever the logger puts before it.
+fn result(said: &str) -> Result<&str> {
+    said.lines()
+        .find_map(|line| Some(line.split_once("result ")?.1.trim()))
+        .context("the run ended without a result")
+}
+
+/// Names the first step and field that differ: by the hashes of the blocks, then frame by frame.
+fn first_difference(
+    vehicle: &str,
+    features: &[&str],
+    machine: &(&str, &str, &str),
+) -> Result<String> {
+    let here = host_trace(vehicle, None)?;
+    let there = sim(features, machine, "debug", None)?;
+    let block = first_differing(&lines(&here, "block "), &lines(&there, "block "))
+        .context("the results differ, the blocks do not")?;
+    let block = block.to_string();
+    let here = host_trace(vehicle, Some(&block))?;
+    let there = sim(features, machine, "trace", Some(&block))?;
+    let (here, there) = (lines(&here, "frame "), lines(&there, "frame "));
+    let at = first_differing(&here, &there).context("the block differs, its frames do not")?;
+    Ok(describe(here[at], there.get(at).copied().unwrap_or("nothing")))
+}
+
+/// The rest of the lines that hold a word.
+fn lines<'a>(said: &'a str, word: &str) -> Vec<&'a str> {
+    said.lines().filter_map(|line| Some(line.split_once(word)?.1.trim())).collect()
+}
+
+fn first_differing(a: &[&str], b: &[&str]) -> Option<usize> {
+    let unequal = |i: &usize| a.get(*i) != b.get(*i);
+    (0..a.len().max(b.len())).find(unequal)
+}
+
+/// The names of a frame's words, in their order.
+const FIELDS: [&str; 12] = [
+    "current_a",
+    "current_a.lost",
+    "speed_m_s",
+    "speed_m_s.lost",
+    "distance_m",
+    "distance_m.lost",
+    "soc",
+    "soc.lost",
+    "rc_v",
+    "rc_v.lost",
+    "battery_v",
+    "duty",
+];
+
+/// Which field of two frames differs first.
+fn describe(here: &str, there: &str) -> String {
+    fn words(frame: &str) -> Vec<&str> {
+        frame
+            .split([' ', ',', '[', ']'])
+            .filter(|word| !word.is_empty())
+            .map(|word| word.trim_start_matches("0x"))
+            .collect()
+    }
+    let (here, there) = (words(here), words(there));
+    let Some(at) = first_differing(&here, &there) else { return String::from("nowhere") };
+    let word = |frame: &[&str]| String::from(frame.get(at).copied().unwrap_or("nothing"));
+    let field = at.checked_sub(1).and_then(|i| FIELDS.get(i)).unwrap_or(&"step");
+    let step = here.first().copied().unwrap_or("?");
+    format!("first at step {step}, field {field}: {} here, {} there", word(&here), word(&there))
+}
+
+/// Tools that do not come with Rust, and Debian's packages that hold them.
+const TOOLS: &[(&str, &str)] = &[
+    ("qemu-system-arm", "qemu-system-arm"),
+    ("arm-none-eabi-nm", "gcc-arm-none-eabi"),
+    ("arm-none-eabi-size", "gcc-arm-none-eabi"),
+    ("cc", "gcc"),
+];
+
+fn is_there(tool: &str) -> bool {
+    program(tool).arg("--version").output().is_ok()
+}
+
+/// Installs what runs the firmware, where it may; else says what is missing.
+pub fn setup() -> Result<()> {
+    let mut updated = false;
+    for (tool, package) in TOOLS {
+        if is_there(tool) {
+            continue;
+        }
+        let root = output(program("id").arg("-u")).is_ok_and(|id| id.trim() == "0");
+        ensure!(
+            root && is_there("apt-get"),
+            "`{tool}` is not installed: install Debian's package `{package}` (as root, this command \
+             installs it by itself)"
+        );
+        if !updated {
+            run(program("apt-get").args(["update", "-qq"]))?;
+            updated = true;
+        }
+        let quiet = ["install", "-y", "-qq", "--no-install-recommends"];
+        run(program("apt-get").args(quiet).arg(package).env("DEBIAN_FRONTEND", "noninteractive"))
+            .with_context(|| format!("cannot install Debian's package `{package}`"))?;
+        ensure!(is_there(tool), "`{tool}` is still missing after installing `{package}`");
+    }
+    if !is_there("qemu-run") {
+        run(cargo().args(["install", "--locked", QEMU_RUN]))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_difference_is_named() {
+        let here = "17 [00000001, 00000002, 3f800000, 0, 0, 0, 0, 0, 0, 0, 0, 0]";
+        assert_eq!(describe(here, here), "nowhere");
+        let there = "17 [0x00000001, 0x00000002, 0x3f800001, 0, 0, 0, 0, 0, 0, 0, 0, 0]";
+        assert_eq!(
+            describe(here, there),
+            "first at step 17, field speed_m_s: 3f800000 here, 3f800001 there"
+        );
+        assert!(describe(here, "nothing").contains("field step"));
+    }
+
+    #[test]
+    fn lines_and_results_are_found_behind_a_logger() {
+        let said = "[DEBUG] block 0 aa (sim src/x.rs)\n[INFO ] result hash ff soc 0.7\n";
+        assert_eq!(result(said).unwrap(), "hash ff soc 0.7");
+        assert!(result("nothing").is_err());
+        assert_eq!(lines(said, "block "), ["0 aa (sim src/x.rs)"]);
+        assert_eq!(first_differing(&["a", "b"], &["a", "c"]), Some(1));
+        assert_eq!(first_differing(&["a"], &["a", "c"]), Some(1));
+        assert_eq!(first_differing(&["a"], &["a"]), None);
+    }
+}
