@@ -7,7 +7,9 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::input_error::on_one_line;
 use crate::replay::{self, Options};
+use crate::validate;
 
 /// EV powertrain plant: replays driving cycles and real trips.
 #[derive(Debug, Parser)]
@@ -43,6 +45,23 @@ enum Command {
         #[arg(long)]
         no_ledger: bool,
     },
+    /// Check every published experiment, and an independent solution of the same equations,
+    /// against what the models give; exit code 1 where a check fails
+    Validate {
+        /// Print JSON instead of the table
+        #[arg(long)]
+        json: bool,
+    },
+    /// Run a battery through ten years of driving and charging in steps of 1 s; exit code 1 where
+    /// the charge does not balance
+    Endurance {
+        /// Years of operation
+        #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100))]
+        years: u32,
+        /// Print JSON instead of text
+        #[arg(long)]
+        json: bool,
+    },
     /// List the built-in cycles and vehicles
     List,
 }
@@ -56,33 +75,52 @@ pub enum Mode {
     Battery,
 }
 
-/// Runs the command; errors go to standard error in one line and end with exit code 2.
+/// Runs the command; errors go to standard error in one line and end with exit code 2, a check
+/// that failed with exit code 1.
 #[must_use]
 pub fn main() -> ExitCode {
     match run(Arguments::parse().command) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("voltstep: {error:#}");
+            eprintln!("voltstep: {}", on_one_line(&format!("{error:#}")));
             ExitCode::from(2)
         }
     }
 }
 
-fn run(command: Command) -> anyhow::Result<()> {
+/// Whether everything that was checked is good.
+fn run(command: Command) -> anyhow::Result<bool> {
     match command {
         Command::Replay { input, vehicle, mode, dt_ms, out, json, no_ledger } => {
             let options = Options { vehicle, mode, dt_ms, ledger: !no_ledger, show_progress: true };
             let replay = replay::replay(&input, &options)?;
             let folder = replay::write(&replay, out)?;
             if json {
-                print(&replay.summary.to_json()?)
+                print(&replay.summary.to_json()?)?;
             } else {
                 let table = crate::table::render(&replay.summary);
                 let folder = folder.display();
-                print(&format!("{table}\nsummary.json, trace.csv and report.svg are in {folder}\n"))
+                print(&format!(
+                    "{table}\nsummary.json, trace.csv and report.svg are in {folder}\n"
+                ))?;
             }
+            Ok(true)
         }
-        Command::List => print(&crate::table::list()),
+        Command::Validate { json } => {
+            let report = validate::run(true);
+            print(&if json { report.to_json()? } else { report.table() })?;
+            Ok(report.is_good())
+        }
+        Command::Endurance { years, json } => {
+            let report = validate::endurance::run(years, true)?;
+            print(&if json { report.to_json()? } else { report.text() })?;
+            Ok(report.is_good())
+        }
+        Command::List => {
+            print(&crate::table::list())?;
+            Ok(true)
+        }
     }
 }
 

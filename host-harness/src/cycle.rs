@@ -91,8 +91,13 @@ pub fn by_name(name: &str) -> Option<Cycle> {
 /// # Errors
 /// [`InputError`] says what is wrong and where.
 pub fn read(path: &Path) -> Result<Cycle, InputError> {
+    from_bytes(path, &input_error::read(path)?)
+}
+
+/// A cycle from the bytes of the file at `path`, named as the file is.
+pub(crate) fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Cycle, InputError> {
     let file = path.to_string_lossy();
-    let cycle = parse(&file, &input_error::read(path)?)?;
+    let cycle = parse(&file, bytes)?;
     let name = path.file_stem().map_or(file.clone(), |stem| stem.to_string_lossy());
     Ok(Cycle { name: name.clone().into_owned(), title: name.into_owned(), ..cycle })
 }

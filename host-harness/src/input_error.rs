@@ -108,7 +108,12 @@ pub(crate) fn shown(piece: &str) -> String {
     if piece.trim().chars().nth(LONGEST_SHOWN).is_some() {
         short.push('…');
     }
-    short.chars().map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect()
+    on_one_line(&short)
+}
+
+/// A text without line ends or anything else that would steer a terminal.
+pub(crate) fn on_one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect()
 }
 
 /// `` `a`, `b`, `c` ``.

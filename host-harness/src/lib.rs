@@ -12,6 +12,7 @@
 //! | [`compare`] | ours against what was measured |
 //! | [`summary`] | the figures of a replay, as JSON |
 //! | [`replay`] | all of it, end to end |
+//! | [`validate`] | every published experiment and an independent solution, against ours |
 //!
 //! Private: `table` (the summary on a terminal), `sheet` and `plot` (the plot sheet), `output`
 //! (files that appear whole or not at all).
@@ -32,4 +33,5 @@ pub mod summary;
 pub mod synthetic;
 mod table;
 pub mod trip;
+pub mod validate;
 pub mod vehicle;

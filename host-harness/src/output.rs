@@ -13,6 +13,10 @@ use crate::trip::Trip;
 pub fn write_all(folder: &Path, files: &[(&str, Vec<u8>)]) -> anyhow::Result<()> {
     let context = || format!("writing into {}", folder.display());
     std::fs::create_dir_all(folder).with_context(context)?;
+    // What would stop a later file must not leave an earlier one replaced.
+    for path in files.iter().map(|(name, _)| folder.join(name)) {
+        anyhow::ensure!(!path.is_dir(), "writing {}: it is a directory", path.display());
+    }
     let mut ready = Vec::new();
     for (name, content) in files {
         let mut file = NamedTempFile::new_in(folder).with_context(context)?;
@@ -21,7 +25,8 @@ pub fn write_all(folder: &Path, files: &[(&str, Vec<u8>)]) -> anyhow::Result<()>
         ready.push((file, folder.join(name)));
     }
     for (file, path) in ready {
-        file.persist(&path).with_context(|| format!("writing {}", path.display()))?;
+        let persisted = file.persist(&path).map_err(|e| e.error);
+        persisted.with_context(|| format!("writing {}", path.display()))?;
     }
     Ok(())
 }
@@ -82,9 +87,10 @@ fn number(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    // As f32 the shortest text that reads back the same; times keep three decimals.
-    let text = (value as f32).to_string();
-    if text.len() > 12 { format!("{value:.6}") } else { text }
+    // As f32 the shortest text that reads back the same.
+    let value = value as f32;
+    let text = value.to_string();
+    if text.len() > 12 { format!("{value:e}") } else { text }
 }
 
 #[cfg(test)]
@@ -112,14 +118,19 @@ mod tests {
         write_all(folder.path(), &[("x.txt", b"old".into())]).unwrap();
         let blocked = folder.path().join("x.txt/under-a-file");
         assert!(write_all(&blocked, &[("y.txt", b"new".into())]).is_err());
+        std::fs::create_dir(folder.path().join("y.txt")).unwrap();
+        let files = [("x.txt", b"new".to_vec()), ("y.txt", b"new".to_vec())];
+        assert!(write_all(folder.path(), &files).is_err());
         assert_eq!(std::fs::read_to_string(folder.path().join("x.txt")).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[test]
     fn numbers_read_back() {
-        for value in [0.0, 0.1, 389.25, -12.5, 1e-7, 123_456.7] {
-            let back: f64 = number(value).parse().unwrap();
-            assert!((back - value).abs() <= 1e-6 * value.abs().max(1.0), "{value}");
+        for value in [0.0, 0.1, 389.25, -12.5, 1e-7, 123_456.7, -3.456_789e-4, 1e-30, 1e30] {
+            let text = number(value);
+            let back: f64 = text.parse().unwrap();
+            assert!((back - value).abs() <= 1e-6 * value.abs(), "{value}: {text}");
         }
         assert_eq!(number(f64::NAN), "");
     }

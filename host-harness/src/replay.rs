@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use crate::cli::Mode;
 use crate::compare::compare;
 use crate::cycle::{self, Cycle};
-use crate::input_error::nearest;
+use crate::input_error::{self, nearest};
 use crate::output;
 use crate::route::Route;
 use crate::run::{self, Run};
@@ -76,21 +76,15 @@ pub fn open(input: &str) -> anyhow::Result<Input> {
             cycle::names().collect::<Vec<_>>().join(", ")
         );
     }
+    // Once: a pipe cannot be read again.
+    let bytes = input_error::read(path)?;
     // Trip files separate their columns by semicolons, cycle files by commas.
-    let head = first_line(path).with_context(|| format!("reading {input}"))?;
+    let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
     Ok(if head.contains(&b';') {
-        Input::Trip(Box::new(trip::read(path)?))
+        Input::Trip(Box::new(trip::parse(input, &bytes)?))
     } else {
-        Input::Cycle(cycle::read(path)?)
+        Input::Cycle(cycle::from_bytes(path, &bytes)?)
     })
-}
-
-/// The first line of a file, or the first part of a long one.
-fn first_line(path: &Path) -> std::io::Result<Vec<u8>> {
-    use std::io::{BufRead, BufReader, Read};
-    let mut line = Vec::new();
-    BufReader::new(std::fs::File::open(path)?.take(64 * 1024)).read_until(b'\n', &mut line)?;
-    Ok(line)
 }
 
 /// Reads what is named and runs it.
@@ -118,8 +112,16 @@ fn of_cycle(vehicle: &Vehicle, cycle: &Cycle, options: &Options) -> anyhow::Resu
     let dt_s = options.dt_ms / 1000.0;
     let soc = vehicle.initial_soc;
     let run = run::vehicle(vehicle, &route, soc, dt_s, options.ledger, options.show_progress)?;
+    check_stepped(&run, &cycle.name, route.duration_s())?;
     let summary = Summary::new(&vehicle.name, &cycle.name, "cycle", &run, route.duration_s());
     Ok(Replay { summary, run, trip: None })
+}
+
+/// A run without a step has no figures.
+fn check_stepped(run: &Run, name: &str, duration_s: f64) -> anyhow::Result<()> {
+    let duration_ms = duration_s * 1000.0;
+    anyhow::ensure!(run.steps > 0, "`{name}` lasts {duration_ms:.4} ms: shorter than a step");
+    Ok(())
 }
 
 /// Runs a trip and compares it with what was measured.
@@ -157,6 +159,7 @@ pub fn of_trip(
         }
     };
     let duration_s = route.duration_s();
+    check_stepped(&run, &trip.name, duration_s)?;
     let mut summary = Summary::new(&vehicle.name, &trip.name, mode, &run, duration_s);
     let (measured, deviation) = compare(&run, &trip);
     if mode == "battery" {

@@ -2,4 +2,9 @@
 //!
 //! | Test | What it holds |
 //! |---|---|
+//! | `coverage` | every public model has a case in `voltstep validate` |
+//! | `order` | order of convergence, stability and steady state at any step |
 //! | `properties` | what is true of the models for any input and any parameters (proptest) |
+//! | `reference_system` | the published reference system: UDDS in closed loop, the DC motor's step |
+//! | `rounding` | single precision against double, after ten hours of driving |
+//! | `trips` | trips against their measurements; real ones where `VOLTSTEP_DATA` names them |
