@@ -202,7 +202,6 @@ mod tests {
         for k in 0..10 {
             let span = (f64::from(k), f64::from(k + 1));
             integrate(&mut spring, &mut y, span, 1e-11, &mut clock, |t, y, _| {
-                if (y[0] - t.sin()).abs() > 1e-9 { println!("{t} {y:?} {}", t.sin()); }
                 worst = worst.max((y[0] - t.sin()).abs());
             })
             .unwrap();
