@@ -1,0 +1,251 @@
+//! No input and no permitted parameter makes a component infinite.
+
+use plant_core::auxiliary::{Auxiliary, AuxiliaryInput};
+use plant_core::battery::{Battery, BatteryInput, BatteryState};
+use plant_core::battery::{RcBranch, RcBranchInput, RcBranchState};
+use plant_core::body::{Body, BodyInput, BodyState, Road};
+use plant_core::converter::{Converter, ConverterInput};
+use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorSpeedInput, DcMotorState};
+use plant_core::gearbox::{Gearbox, GearboxInput};
+use plant_core::pid::{Pid, PidInput, PidState};
+use plant_core::rotational::{Axis, AxisInput, AxisState};
+use plant_core::rotational::{
+    RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
+};
+use plant_core::sensors::{
+    AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorParams, AxialSpeedSensorState,
+    CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
+};
+use plant_core::slope::{Grade, Slope, SlopeInput, SlopeParams, SlopeState};
+use plant_core::wheel::{Wheel, WheelInput};
+use proptest::prelude::*;
+
+use crate::check::{check, inputs, keeps, not_absurd, positive, signed};
+use crate::draw::{self, Draw, PERMITTED, PLAUSIBLE, Spread, drawn, within};
+
+// Beyond these, squares of what 1e9 A or 1e9 m/s make of a parameter are too large for `f32`.
+// All other components stay finite over all that is permitted.
+const RC_BRANCH: Spread = within(1e9);
+const BATTERY: Spread = within(1e6);
+const GEARBOX: Spread = within(1e7);
+const WHEEL: Spread = within(1e6);
+
+/// Parameters from all over the spread, and plausible ones.
+pub fn some<T: std::fmt::Debug>(
+    spread: Spread,
+    make: impl Fn(&mut Draw) -> T + Clone,
+) -> impl Strategy<Value = T> {
+    prop_oneof![drawn(spread, make.clone()), drawn(PLAUSIBLE, make)]
+}
+
+#[test]
+fn rc_branch() {
+    let model = some(RC_BRANCH, |d| (draw::rc_branch(d), d.dt()));
+    check(768, (model, inputs([signed(500.0)])), |((params, dt), inputs)| {
+        let model = RcBranch::new(params, dt).unwrap();
+        keeps(RcBranchState::default(), &inputs, |s, [discharge_a]| {
+            let out = model.step(s, RcBranchInput { discharge_a });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn battery() {
+    let model = some(BATTERY, |d| (draw::battery(d), d.dt(), d.ratio()));
+    check(768, (model, inputs([signed(500.0)])), |((params, dt, soc), inputs)| {
+        let model = Battery::new(params, dt).unwrap();
+        keeps(BatteryState::rested(soc).unwrap(), &inputs, |s, [current_a]| {
+            let out = model.step(s, BatteryInput { current_a });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn converter() {
+    let model = some(PERMITTED, draw::converter);
+    check(768, (model, inputs([signed(1.0), signed(500.0), signed(500.0)])), |(params, inputs)| {
+        let model = Converter::new(params).unwrap();
+        keeps((), &inputs, |s, [duty, input_v, output_a]| {
+            let out = model.step(s, ConverterInput { duty, input_v, output_a });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn auxiliary() {
+    let model = some(PERMITTED, draw::auxiliary);
+    check(768, (model, inputs([signed(500.0), signed(1e4)])), |(params, inputs)| {
+        let model = Auxiliary::new(params).unwrap();
+        keeps((), &inputs, |s, [voltage_v, power_w]| {
+            let out = model.step(s, AuxiliaryInput { voltage_v, power_w });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn dc_motor_with_a_free_shaft() {
+    let model = some(PERMITTED, |d| (draw::lossy_motor(d), d.dt()));
+    check(768, (model, inputs([signed(500.0), signed(300.0)])), |((params, dt), inputs)| {
+        let model = DcMotor::new(params, dt).unwrap();
+        keeps(DcMotorState::default(), &inputs, |s, [voltage_v, load_nm]| {
+            let out = model.step(s, DcMotorInput { voltage_v, load_nm });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn dc_motor_at_an_imposed_speed() {
+    let model = some(PERMITTED, |d| (draw::lossy_motor(d), d.dt()));
+    check(768, (model, inputs([signed(500.0), signed(1000.0)])), |((params, dt), inputs)| {
+        let model = DcMotor::new(params, dt).unwrap();
+        keeps(DcMotorState::default(), &inputs, |s, [voltage_v, speed_rad_s]| {
+            let out = model.step_at_speed(s, DcMotorSpeedInput { voltage_v, speed_rad_s });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn gearbox() {
+    let model = some(GEARBOX, |d| (draw::gearbox(d), d.dt()));
+    check(768, (model, inputs([signed(300.0), signed(200.0)])), |((params, dt), inputs)| {
+        let model = Gearbox::new(params, dt).unwrap();
+        keeps(0.0, &inputs, |s, [motor_nm, wheel_rad_s]| {
+            let out = model.step(s, GearboxInput { motor_nm, wheel_rad_s });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn wheel() {
+    let model = some(WHEEL, |d| (draw::wheel(d), d.dt()));
+    check(768, (model, inputs([signed(3000.0), signed(60.0)])), |((params, dt), inputs)| {
+        let model = Wheel::new(params, dt).unwrap();
+        keeps(0.0, &inputs, |s, [axle_nm, speed_m_s]| {
+            let out = model.step(s, WheelInput { axle_nm, speed_m_s });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn body() {
+    let model = some(PERMITTED, |d| (draw::body(d), d.dt()));
+    let inputs = inputs([signed(5000.0), signed(0.3), signed(1.0), signed(20.0), positive(5000.0)]);
+    check(768, (model, inputs), |((params, dt), inputs)| {
+        let model = Body::new(params, dt).unwrap();
+        keeps(BodyState::default(), &inputs, |s, [force_n, sin, cos, headwind_m_s, brake_n]| {
+            let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n };
+            let out = model.step(s, BodyInput { force_n, road });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn slope() {
+    let model = some(PERMITTED, |d| SlopeParams { window_m: d.near(10.0), largest_sin: d.ratio() });
+    check(768, (model, inputs([signed(1000.0), signed(1e4)])), |(params, inputs)| {
+        let model = Slope::new(params).unwrap();
+        keeps(SlopeState::starting_at(0.0, 0.0), &inputs, |s, [height_m, distance_m]| {
+            let out = model.step(s, SlopeInput { height_m, distance_m });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn pid() {
+    let model = some(PERMITTED, |d| (draw::pid(d), d.dt()));
+    check(768, (model, inputs([signed(30.0), signed(30.0)])), |((params, dt), inputs)| {
+        let model = Pid::new(params, dt).unwrap();
+        keeps(PidState::default(), &inputs, |s, [reference, measurement]| {
+            let out = model.step(s, PidInput { reference, measurement });
+            (out, out.rejected)
+        })
+    });
+}
+
+/// A preload is refused as a step is: the state stays as it was, and the next step is finite.
+/// Reference and measurement are not absurd, as it judges their difference only.
+#[test]
+fn pid_preload() {
+    let model = some(PERMITTED, |d| (draw::pid(d), d.dt()));
+    let inputs = inputs([signed(1.0), signed(30.0), signed(30.0)]);
+    check(768, (model, inputs), |((params, dt), mut inputs)| {
+        for [_, reference, measurement] in &mut inputs {
+            (*reference, *measurement) = (not_absurd(*reference), not_absurd(*measurement));
+        }
+        let model = Pid::new(params, dt).unwrap();
+        keeps(PidState::default(), &inputs, |s, [output, reference, measurement]| {
+            let (input, mut fresh) = (PidInput { reference, measurement }, PidState::default());
+            model.preload(&mut fresh, output, input);
+            model.preload(s, output, input);
+            let mut next = *s;
+            let out = model.step(&mut next, PidInput { reference: 10.0, measurement: 9.0 });
+            ((next, out), fresh == PidState::default())
+        })
+    });
+}
+
+#[test]
+fn rotational_load() {
+    let model = some(PERMITTED, |d| {
+        let params = RotationalLoadParams {
+            inertia_kg_m2: d.near(0.1),
+            viscous_nm_s_per_rad: d.near_or(1e-3, 0.0),
+            coulomb_nm: d.near_or(0.1, 0.0),
+        };
+        (params, d.dt())
+    });
+    check(768, (model, inputs([signed(300.0)])), |((params, dt), inputs)| {
+        let model = RotationalLoad::new(params, dt).unwrap();
+        keeps(RotationalLoadState::default(), &inputs, |s, [torque_nm]| {
+            let out = model.step(s, RotationalLoadInput { torque_nm });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn axis() {
+    check(
+        256,
+        (some(PERMITTED, Draw::dt), inputs([signed(1000.0), signed(300.0)])),
+        |(dt, inputs)| {
+            let model = Axis::new(dt);
+            keeps(AxisState::default(), &inputs, |s, [speed_rad_s, torque_nm]| {
+                let out = model.step(s, AxisInput { speed_rad_s, torque_nm });
+                (out, out.rejected)
+            })
+        },
+    );
+}
+
+fn sensor(d: &mut Draw) -> SensorParams {
+    SensorParams { gain: d.signed(1.0), offset: d.signed(0.1), quantum: d.near_or(0.01, 0.0) }
+}
+
+#[test]
+fn sensors() {
+    let model =
+        some(PERMITTED, |d| (sensor(d), 1 + (65534.0 * f64::from(d.ratio())) as u16, d.dt()));
+    check(768, (model, inputs([signed(1000.0)])), |((params, pole_pairs, dt), inputs)| {
+        let volts = VoltageSensor::new(params).unwrap();
+        let amps = CurrentSensor::new(params).unwrap();
+        let params = AxialSpeedSensorParams { speed: params, pole_pairs };
+        let speed = AxialSpeedSensor::new(params, dt).unwrap();
+        keeps(AxialSpeedSensorState::default(), &inputs, |s, [x]| {
+            let v = volts.step(&mut (), VoltageSensorInput { voltage_v: x });
+            let a = amps.step(&mut (), CurrentSensorInput { current_a: x });
+            let w = speed.step(s, AxialSpeedSensorInput { speed_rad_s: x });
+            ((v, a, w), v.rejected && a.rejected && w.rejected)
+        })
+    });
+}

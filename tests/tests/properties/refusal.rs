@@ -1,0 +1,373 @@
+//! Every `new` refuses each bad field by name and takes what is valid.
+
+use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
+use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranch, RcBranchParams};
+use plant_core::body::{Body, BodyParams, RoadResistance};
+use plant_core::converter::{Converter, ConverterParams};
+use plant_core::dc_motor::{DcMotor, DcMotorParams};
+use plant_core::driver::{Driver, DriverParams, TorqueDriverParams};
+use plant_core::gearbox::{Gearbox, GearboxParams};
+use plant_core::num::SocTable;
+use plant_core::pid::{Pid, PidParams};
+use plant_core::powertrain::{Powertrain, PowertrainParams};
+use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
+use plant_core::rotational::{RotationalLoad, RotationalLoadParams};
+use plant_core::sensors::{AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor};
+use plant_core::slope::{Slope, SlopeParams};
+use plant_core::sources::{
+    AtEnd, Ramp, RampParams, Saturation, SaturationParams, Sine, SineParams, Square, SquareParams,
+    Step, StepParams, TimeTable, TimeTableParams, UnitDelay, UnitDelayParams,
+};
+use plant_core::wheel::{Wheel, WheelParams};
+use plant_core::{Dt, ParamError, Real, must};
+use proptest::prelude::*;
+
+use crate::check::cases;
+use crate::draw::{self, PERMITTED, drawn};
+
+const DT: Dt = must!(Dt::from_s(1e-3));
+const INF: Real = Real::INFINITY;
+const NAN: Real = Real::NAN;
+
+// What breaks each rule of `ParamError`.
+const POSITIVE: &[Real] = &[0.0, -1.0, 1e-13, 1e13, NAN, INF, -INF];
+const NOT_NEGATIVE: &[Real] = &[-1e-9, -1.0, 1e13, NAN, INF, -INF];
+const FINITE: &[Real] = &[1e13, -1e13, NAN, INF, -INF];
+const LIMIT: &[Real] = &[0.0, -1.0, 1e-13, NAN, -INF];
+const RATIO: &[Real] = &[-1e-6, 1.000_001, NAN, INF, -INF];
+const EFFICIENCY: &[Real] = &[0.0, -1.0, 1.000_001, NAN, INF, -INF];
+
+/// That `result` is an error about `field`, whatever component it belongs to.
+fn assert_refused<T>(result: Result<T, ParamError>, field: &str, bad: &dyn std::fmt::Debug) {
+    match result.err().map(ParamError::field) {
+        Some(named) if named == field || named.ends_with(&format!(".{field}")) => {}
+        Some(named) => panic!("{field} = {bad:?} is refused as {named}"),
+        None => panic!("{field} = {bad:?} is accepted"),
+    }
+}
+
+/// Sets each field to each of its bad values and asks `make`. The pattern names every field of the
+/// struct, those that hold no number after `beside`: a new field does not compile until it stands
+/// here.
+macro_rules! refuses {
+    ($make:expr, $params:ident: $base:expr, { $($field:ident: $bad:expr),* $(,)? }
+        $(beside $($other:ident),*)?) => {{
+        let $params { $($field: _,)* $($($other: _,)*)? } = $base;
+        let good = $base;
+        assert!($make(good).is_ok(), "{good:?}");
+        $(for bad in $bad {
+            let mut params = good;
+            params.$field = *bad;
+            assert_refused($make(params), stringify!($field), bad);
+        })*
+    }};
+}
+
+/// The same for an enum's variant, which is made of all of its fields.
+macro_rules! refuses_variant {
+    ($make:expr, $enum:ident::$variant:ident: {
+        $($field:ident: $value:expr => $bad:expr),* $(,)?
+    }) => {{
+        let good = $enum::$variant { $($field: $value),* };
+        assert!($make(good).is_ok(), "{good:?}");
+        $(for bad in $bad {
+            let mut params = good;
+            if let $enum::$variant { $field, .. } = &mut params {
+                *$field = *bad;
+            }
+            assert_refused($make(params), stringify!($field), bad);
+        })*
+    }};
+}
+
+const PLANT: PowertrainParams = BMW_I3_60AH.powertrain;
+
+#[test]
+fn step() {
+    for bad in POSITIVE {
+        assert_refused(Dt::from_s(*bad), "dt_s", bad);
+    }
+}
+
+#[test]
+fn battery() {
+    let make = |p| Battery::new(p, DT);
+    refuses!(make, BatteryParams: PLANT.battery, {
+        capacity_ah: POSITIVE,
+        series_resistance_ohm: POSITIVE,
+        discharge_limit_a: LIMIT,
+        charge_limit_a: LIMIT,
+    } beside open_circuit, polarisation);
+    let polarisation = PLANT.battery.polarisation;
+    refuses!(|p| RcBranch::new(p, DT), RcBranchParams: polarisation, {
+        resistance_ohm: POSITIVE,
+        capacitance_f: POSITIVE,
+    });
+    let within = |polarisation| make(BatteryParams { polarisation, ..PLANT.battery });
+    refuses!(within, RcBranchParams: polarisation, {
+        resistance_ohm: POSITIVE,
+        capacitance_f: POSITIVE,
+    });
+}
+
+#[test]
+fn open_circuit() {
+    let make = |open_circuit| Battery::new(BatteryParams { open_circuit, ..PLANT.battery }, DT);
+    refuses_variant!(make, OpenCircuit::Linear: {
+        empty_v: 300.0 => FINITE,
+        full_v: 400.0 => &[299.9, NAN, INF, -INF],
+    });
+    let falling = SocTable::from_points("points", &[(0.0, 2.0), (1.0, 1.0)]).unwrap();
+    assert_refused(make(OpenCircuit::Table(falling)), "table", &falling);
+    for bad in FINITE {
+        let mut values = [3.7; 65];
+        values[40] = *bad;
+        assert_refused(SocTable::new("table", values), "table", bad);
+        assert_refused(SocTable::from_points("table", &[(0.0, 1.0), (1.0, *bad)]), "table", bad);
+    }
+    for bad in [0.0, -1.0, NAN, INF, -INF] {
+        assert_refused(SocTable::from_points("table", &[(0.0, 1.0), (bad, 1.0)]), "table", &bad);
+    }
+}
+
+#[test]
+fn auxiliary_and_converter() {
+    refuses!(Auxiliary::new, AuxiliaryParams: PLANT.auxiliary, {
+        power_w: NOT_NEGATIVE,
+        resistance_ohm: LIMIT,
+        cut_out_v: LIMIT,
+    });
+    refuses!(Converter::new, ConverterParams: PLANT.converter, {
+        duty_limit: LIMIT,
+        constant_loss_w: NOT_NEGATIVE,
+        voltage_drop_v: NOT_NEGATIVE,
+        resistance_ohm: NOT_NEGATIVE,
+    });
+}
+
+#[test]
+fn motor_and_what_turns() {
+    refuses!(|p| DcMotor::new(p, DT), DcMotorParams: PLANT.motor, {
+        resistance_ohm: POSITIVE,
+        inductance_h: POSITIVE,
+        back_emf_v_s_per_rad: POSITIVE,
+        torque_nm_per_a: POSITIVE,
+        inertia_kg_m2: POSITIVE,
+        viscous_nm_s_per_rad: NOT_NEGATIVE,
+        coulomb_nm: NOT_NEGATIVE,
+    });
+    refuses!(|p| Gearbox::new(p, DT), GearboxParams: PLANT.gearbox, {
+        ratio: POSITIVE,
+        efficiency: EFFICIENCY,
+        inertia_kg_m2: NOT_NEGATIVE,
+    });
+    refuses!(|p| Wheel::new(p, DT), WheelParams: PLANT.wheel, {
+        radius_m: POSITIVE,
+        inertia_kg_m2: NOT_NEGATIVE,
+        viscous_nm_s_per_rad: NOT_NEGATIVE,
+    });
+    let load =
+        RotationalLoadParams { inertia_kg_m2: 1.0, viscous_nm_s_per_rad: 0.1, coulomb_nm: 0.1 };
+    refuses!(|p| RotationalLoad::new(p, DT), RotationalLoadParams: load, {
+        inertia_kg_m2: POSITIVE,
+        viscous_nm_s_per_rad: NOT_NEGATIVE,
+        coulomb_nm: NOT_NEGATIVE,
+    });
+}
+
+#[test]
+fn body_and_slope() {
+    refuses!(|p| Body::new(p, DT), BodyParams: PLANT.body, {
+        mass_kg: POSITIVE,
+    } beside resistance);
+    let make = |resistance| Body::new(BodyParams { resistance, ..PLANT.body }, DT);
+    refuses_variant!(make, RoadResistance::Physical: {
+        drag_coefficient: 0.3 => NOT_NEGATIVE,
+        frontal_area_m2: 2.0 => NOT_NEGATIVE,
+        air_density_kg_m3: 1.2 => NOT_NEGATIVE,
+        rolling_coefficient: 0.01 => NOT_NEGATIVE,
+    });
+    refuses_variant!(make, RoadResistance::CoastDown: {
+        a_n: 100.0 => NOT_NEGATIVE,
+        b_n_s_per_m: 1.0 => NOT_NEGATIVE,
+        c_n_s2_per_m2: 0.4 => NOT_NEGATIVE,
+    });
+    refuses!(Slope::new, SlopeParams: SlopeParams { window_m: 10.0, largest_sin: 0.25 }, {
+        window_m: POSITIVE,
+        largest_sin: RATIO,
+    });
+}
+
+/// The plant passes on what any of its parts refuses, and refuses a bad start.
+#[test]
+fn powertrain() {
+    let make = |p| Powertrain::new(p, DT);
+    assert!(make(PLANT).is_ok() && Powertrain::with_ledger(PLANT, DT).is_ok());
+    let PowertrainParams { mut battery, mut auxiliary, mut converter, mut motor, .. } = PLANT;
+    let PowertrainParams { mut gearbox, mut wheel, mut body, .. } = PLANT;
+    battery.capacity_ah = NAN;
+    auxiliary.cut_out_v = NAN;
+    converter.duty_limit = NAN;
+    motor.coulomb_nm = NAN;
+    gearbox.ratio = NAN;
+    wheel.radius_m = NAN;
+    body.mass_kg = NAN;
+    for (params, field) in [
+        (PowertrainParams { battery, ..PLANT }, "battery.capacity_ah"),
+        (PowertrainParams { auxiliary, ..PLANT }, "auxiliary.cut_out_v"),
+        (PowertrainParams { converter, ..PLANT }, "converter.duty_limit"),
+        (PowertrainParams { motor, ..PLANT }, "motor.coulomb_nm"),
+        (PowertrainParams { gearbox, ..PLANT }, "gearbox.ratio"),
+        (PowertrainParams { wheel, ..PLANT }, "wheel.radius_m"),
+        (PowertrainParams { body, ..PLANT }, "body.mass_kg"),
+    ] {
+        assert_refused(make(params), field, &NAN);
+        assert_refused(Powertrain::with_ledger(params, DT), field, &NAN);
+    }
+    let plant = make(PLANT).unwrap();
+    for bad in RATIO {
+        assert_refused(plant.at_rest(*bad), "soc", bad);
+    }
+    for bad in FINITE {
+        assert_refused(plant.at_speed(0.5, *bad), "speed_m_s", bad);
+    }
+}
+
+const PID: PidParams = PidParams { output_min: -1.0, output_max: 1.0, ..PidParams::DEFAULT };
+
+#[test]
+fn pid() {
+    refuses!(|p| Pid::new(p, DT), PidParams: PID, {
+        proportional: FINITE,
+        integral_per_s: NOT_NEGATIVE,
+        derivative_s: NOT_NEGATIVE,
+        derivative_filter_s: NOT_NEGATIVE,
+        dead_zone: NOT_NEGATIVE,
+        output_min: &[INF, NAN],
+        output_max: &[-1.0, -2.0, -INF, NAN],
+        smoothing_per_s: LIMIT,
+    } beside derivative_of, anti_windup);
+}
+
+#[test]
+fn drivers() {
+    let make = |p| Driver::new(p, &PLANT, DT);
+    let DriverParams::Torque(torque) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+    refuses!(|p| make(DriverParams::Torque(p)), TorqueDriverParams: torque, {
+        peak_torque_nm: LIMIT,
+        peak_power_w: LIMIT,
+        regen_torque_nm: NOT_NEGATIVE,
+        regen_power_w: LIMIT,
+        regen_fade_m_s: POSITIVE,
+        regen_fade_soc: POSITIVE,
+        brake_limit_n: POSITIVE,
+        current_rate_per_s: POSITIVE,
+    } beside speed);
+    let speed = PidParams { proportional: NAN, ..torque.speed };
+    let bad = DriverParams::Torque(TorqueDriverParams { speed, ..torque });
+    assert_refused(make(bad), "proportional", &NAN);
+    assert_refused(make(DriverParams::Duty(speed)), "proportional", &NAN);
+    assert!(Driver::new(EPOWERTRAIN_UDDS.driver, &PLANT, DT).is_ok());
+}
+
+#[test]
+fn sensors() {
+    let sensor = SensorParams { quantum: 0.1, ..SensorParams::IDEAL };
+    refuses!(VoltageSensor::new, SensorParams: sensor, {
+        gain: FINITE,
+        offset: FINITE,
+        quantum: &[-0.1, 1e-13, 1e13, NAN, INF, -INF],
+    });
+    let shaft = AxialSpeedSensorParams { speed: sensor, pole_pairs: 4 };
+    refuses!(|p| AxialSpeedSensor::new(p, DT), AxialSpeedSensorParams: shaft, {
+        pole_pairs: &[0],
+    } beside speed);
+    let speed = SensorParams { gain: NAN, ..sensor };
+    let bad = AxialSpeedSensorParams { speed, ..shaft };
+    assert_refused(AxialSpeedSensor::new(bad, DT), "gain", &NAN);
+}
+
+#[test]
+fn time_table() {
+    let make = |points: &[(Real, Real)], at_end| {
+        TimeTable::new(TimeTableParams { points, at_end }, DT).map(|_| ())
+    };
+    let points = [(0.0, 1.0), (1.0, 2.0), (2.0, 1.0)];
+    for at_end in [AtEnd::Hold, AtEnd::Repeat] {
+        assert!(make(&points, at_end).is_ok());
+        for bad in FINITE {
+            for i in 0..3 {
+                let (mut times, mut values) = (points, points);
+                (times[i].0, values[i].1) = (*bad, *bad);
+                assert_refused(make(&times, at_end), "time_s", &times);
+                assert_refused(make(&values, at_end), "value", &values);
+            }
+        }
+        assert_refused(make(&points[..1], at_end), "time_s", &1);
+        assert_refused(make(&[(1.0, 0.0), (1.0, 0.0)], at_end), "time_s", &"not increasing");
+    }
+    assert_refused(
+        make(&[(0.0, 1.0), (5e-4, 2.0)], AtEnd::Repeat),
+        "time_s",
+        &"shorter than a step",
+    );
+}
+
+#[test]
+fn sources() {
+    let step = StepParams { before: 0.0, after: 1.0, at_s: 1.0 };
+    refuses!(|p| Step::new(p, DT), StepParams: step, {
+        before: FINITE,
+        after: FINITE,
+        at_s: NOT_NEGATIVE,
+    });
+    let ramp = RampParams { start: 0.0, slope_per_s: 1.0, from_s: 1.0, to_s: 2.0 };
+    refuses!(|p| Ramp::new(p, DT), RampParams: ramp, {
+        start: FINITE,
+        slope_per_s: FINITE,
+        from_s: NOT_NEGATIVE,
+        to_s: &[1.0, 0.5, 1e13, NAN, INF, -INF],
+    });
+    let sine = SineParams { amplitude: 1.0, offset: 0.0, frequency_hz: 50.0, phase_turns: 0.0 };
+    refuses!(|p| Sine::new(p, DT), SineParams: sine, {
+        amplitude: FINITE,
+        offset: FINITE,
+        frequency_hz: POSITIVE,
+        phase_turns: RATIO,
+    });
+    let square =
+        SquareParams { low: 0.0, high: 1.0, period_s: 0.02, on_ratio: 0.5, phase_turns: 0.0 };
+    refuses!(|p| Square::new(p, DT), SquareParams: square, {
+        low: FINITE,
+        high: FINITE,
+        period_s: POSITIVE,
+        on_ratio: RATIO,
+        phase_turns: RATIO,
+    });
+    refuses!(UnitDelay::new, UnitDelayParams: UnitDelayParams { initial: 0.0 }, {
+        initial: FINITE,
+    });
+    refuses!(Saturation::new, SaturationParams: SaturationParams { low: -1.0, high: 1.0 }, {
+        low: FINITE,
+        high: &[-1.0, -2.0, NAN, INF, -INF],
+    });
+}
+
+proptest! {
+    #![proptest_config(cases(256))]
+
+    #[test]
+    fn what_is_permitted_is_taken(
+        (plant, torque, pid, dt) in drawn(PERMITTED, |d| {
+            (draw::plant(d), draw::torque_driver(d), draw::pid(d), d.dt())
+        }),
+        motor in drawn(PERMITTED, draw::lossy_motor),
+    ) {
+        let plant = PowertrainParams { motor, ..plant };
+        prop_assert_eq!(Powertrain::new(plant, dt).err(), None);
+        prop_assert_eq!(Powertrain::with_ledger(plant, dt).err(), None);
+        prop_assert_eq!(Driver::new(DriverParams::Torque(torque), &plant, dt).err(), None);
+        prop_assert_eq!(Driver::new(DriverParams::Duty(pid), &plant, dt).err(), None);
+        prop_assert_eq!(Pid::new(pid, dt).err(), None);
+    }
+}
