@@ -7,6 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
 
 use crate::metadata::Metadata;
 use crate::shell::{cargo, output};
@@ -14,6 +15,13 @@ use crate::shell::{cargo, output};
 const README: &str = "README.md";
 /// The replay whose plot sheet the README shows, and where it is kept.
 const PLOT: (&str, &str) = ("replay udds", "docs/udds.svg");
+/// The block that holds the accuracy table, and the cases of `voltstep validate` that it shows.
+const ACCURACY: &str = "validate --json";
+const CASES: &[&str] = &[
+    "UDDS, epowertrain-udds",
+    "DC motor step, Pasek, with static torque",
+    "converter bench, sine",
+];
 const BEGIN: &str = "<!-- generated: ";
 const END: &str = "<!-- end -->";
 
@@ -23,6 +31,11 @@ pub fn readme() -> Result<()> {
     let folder = Metadata::load()?.target_directory()?.join("xtask-readme");
     let old = fs::read_to_string(README).context("cannot read the README")?;
     let new = filled(&old, |arguments| {
+        if arguments == ACCURACY {
+            let json =
+                output(cargo().args(["run", "--quiet", "--release", "--", "validate", "--json"]))?;
+            return accuracy(&json);
+        }
         let out = folder.join(arguments.replace(['/', ' ', '.'], "-"));
         let printed = voltstep(arguments, &out)?;
         if arguments == PLOT.0 {
@@ -60,6 +73,47 @@ fn voltstep(arguments: &str, out: &Path) -> Result<String> {
     )
 }
 
+/// The accuracy table, from the report of `voltstep validate --json`.
+fn accuracy(json: &str) -> Result<String> {
+    let report: Value = serde_json::from_str(json).context("the report is no JSON")?;
+    let cases = report["cases"].as_array().context("the report has no cases")?;
+    let number = |value: &Value| {
+        value.as_f64().map_or_else(String::new, |x| {
+            let text = format!("{x:.6}");
+            if x != 0.0 && x.abs() < 1e-4 { format!("{x:.1e}") } else { shortened(&text) }
+        })
+    };
+    let mut table =
+        String::from("| | target | obtained | tolerance | source |\n|---|--:|--:|--:|---|\n");
+    for name in CASES {
+        let rows = cases.iter().filter(|c| c["name"] == *name && c["pass"].is_boolean());
+        let before = table.len();
+        for (i, case) in rows.enumerate() {
+            if i == 0 {
+                table += &format!("| **{name}** | | | | |\n");
+            }
+            table += &format!(
+                "| {} | {} | {} | {} | {} |\n",
+                case["quantity"].as_str().unwrap_or(""),
+                number(&case["target"]),
+                number(&case["obtained"]),
+                number(&case["tolerance"]),
+                case["source"].as_str().unwrap_or(""),
+            );
+        }
+        ensure!(table.len() > before, "the report has no case `{name}`");
+    }
+    let count =
+        |what: &str| cases.iter().filter(|c| c["pass"].as_bool() == Some(what == "passed")).count();
+    table += &format!("\n{} checks passed, {} failed.", count("passed"), count("failed"));
+    Ok(table)
+}
+
+/// A decimal without zeros at its end.
+fn shortened(number: &str) -> String {
+    number.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// What is the same in every run: not the time it took, nor where its files are.
 fn steady(printed: &str) -> String {
     let lines = printed
@@ -80,7 +134,9 @@ fn filled(text: &str, mut run: impl FnMut(&str) -> Result<String>) -> Result<Str
             bail!("the generated block `{arguments}` has no end");
         };
         let block = steady(&run(arguments)?);
-        new += &format!("{before}{BEGIN}{arguments} -->\n```text\n{block}\n```\n{END}");
+        // A table of Markdown stands as it is, what a terminal shows within a fence.
+        let block = if block.starts_with('|') { block } else { format!("```text\n{block}\n```") };
+        new += &format!("{before}{BEGIN}{arguments} -->\n{block}\n{END}");
         rest = tail;
     }
     Ok(new + rest)
@@ -104,6 +160,20 @@ mod tests {
         assert_eq!(new.unwrap(), expected);
         let again = filled(expected, |_| Ok(printed.to_owned()));
         assert_eq!(again.unwrap(), expected);
+    }
+
+    #[test]
+    fn the_accuracy_table_shows_its_cases_or_fails() {
+        let case = |name: &str| {
+            format!(
+                r#"{{"name":"{name}","quantity":"q","target":0.5,"obtained":0.25,"tolerance":1e-6,"source":"s","pass":true}}"#
+            )
+        };
+        let all: Vec<_> = CASES.iter().map(|name| case(name)).collect();
+        let table = accuracy(&format!(r#"{{"cases":[{}]}}"#, all.join(","))).unwrap();
+        assert!(table.contains("| q | 0.5 | 0.25 | 1.0e-6 | s |"), "{table}");
+        assert!(table.ends_with("3 checks passed, 0 failed."));
+        assert!(accuracy(&format!(r#"{{"cases":[{}]}}"#, all[0])).is_err());
     }
 
     #[test]

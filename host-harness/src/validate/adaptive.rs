@@ -1,24 +1,57 @@
-//! An adaptive solver in double precision, for what the fixed step is measured against.
+//! An adaptive solver in double precision, for what the fixed step is measured against: the method
+//! of Dormand and Prince of order 5 with its error estimate and interpolant (Hairer, Nørsett,
+//! Wanner, *Solving Ordinary Differential Equations I*, section II.6).
 //!
-//! Explicit Runge–Kutta of order 8 (Dormand–Prince 8(5,3)) from the crate `differential-equations`,
-//! driven here so that it restarts at each kink of the input and stops where a system changes its
-//! mode (standstill, saturation). `diffsol` was considered: it builds a whole linear algebra
-//! library (faer) into the command, and its methods are of order 5 at most, 1 after each of 1369
-//! restarts. The Radau method of the crate used keeps a stale factorisation after a rejected
-//! step, so the two lags that are faster than anything else are eliminated in the equations
-//! (`equations`), and no stiff method is needed.
+//! It restarts at each kink of the input and stops where a system changes its mode (standstill,
+//! saturation). It is our own because no crate did: `diffsol` brings a whole linear algebra library
+//! (faer) into the command for a system of seven; in `differential-equations` 0.7.0 the Radau
+//! method steps with a stale factorisation after a rejected step, and the interpolant of its
+//! Dormand–Prince 8(5,3) is wrong between the ends of a step; `ode_solvers` cannot stop at an
+//! event. Two lags that are faster than all else are eliminated in the equations (`equations`), so
+//! no stiff method is needed.
 
-use anyhow::{anyhow, ensure};
-use differential_equations::interpolate::Interpolation;
-use differential_equations::methods::ExplicitRungeKutta;
-use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
+use anyhow::{bail, ensure};
 
 /// An event is located to this \[s\].
 const EVENT_S: f64 = 1e-12;
 /// More events between two kinks are a fault of the equations.
-const MOST_EVENTS: usize = 10_000;
-/// More steps between two kinks are one, too.
-const MOST_STEPS: usize = 100_000_000;
+const MOST_EVENTS: u32 = 10_000;
+/// A shorter step means that the solution has a jump or a pole \[s\].
+const SHORTEST_S: f64 = 1e-14;
+/// The first step after a kink, as a share of the way to the next.
+const FIRST_STEP: f64 = 1e-4;
+
+/// Nodes, then the rows of the tableau; the last row is the solution.
+const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+const A: [[f64; 6]; 7] = [
+    [0.0; 6],
+    [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// The solution less that of order 4.
+const E: [f64; 7] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339_200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+/// The interpolant's last term.
+const D: [f64; 7] = [
+    -12_715_105_075.0 / 11_282_082_432.0,
+    0.0,
+    87_487_479_700.0 / 32_700_410_799.0,
+    -10_690_763_975.0 / 1_880_347_072.0,
+    701_980_252_875.0 / 199_316_789_632.0,
+    -1_453_857_185.0 / 822_651_844.0,
+    69_997_945.0 / 29_380_423.0,
+];
 
 /// A system of ordinary differential equations whose right-hand side has modes.
 pub trait System<const N: usize> {
@@ -37,12 +70,52 @@ pub trait System<const N: usize> {
     fn scale(&self) -> [f64; N];
 }
 
-/// The right-hand side for the crate.
-struct Slope<'a, S>(&'a S);
+/// One step that was made: from `t` over `h`, the slopes at its stages.
+struct Made<const N: usize> {
+    t: f64,
+    h: f64,
+    from: [f64; N],
+    to: [f64; N],
+    k: [[f64; N]; 7],
+}
 
-impl<const N: usize, S: System<N>> ODE<f64, [f64; N]> for Slope<'_, S> {
-    fn diff(&self, t: f64, y: &[f64; N], dydt: &mut [f64; N]) {
-        *dydt = self.0.slope(t, y);
+impl<const N: usize> Made<N> {
+    fn new<S: System<N>>(system: &S, t: f64, h: f64, from: [f64; N], slope: [f64; N]) -> Self {
+        let mut made = Self { t, h, from, to: from, k: [slope; 7] };
+        for stage in 1..7 {
+            made.to = std::array::from_fn(|i| {
+                let sum: f64 = (0..stage).map(|j| A[stage][j] * made.k[j][i]).sum();
+                from[i] + h * sum
+            });
+            made.k[stage] = system.slope(t + C[stage] * h, &made.to);
+        }
+        made
+    }
+
+    /// The error over what is tolerated: 1 is just acceptable.
+    #[expect(clippy::cast_precision_loss, reason = "a handful of states")]
+    fn error(&self, tolerance: f64, scale: &[f64; N]) -> f64 {
+        let squares: f64 = (0..N)
+            .map(|i| {
+                let error: f64 = self.h * (0..7).map(|j| E[j] * self.k[j][i]).sum::<f64>();
+                let size = scale[i] + self.from[i].abs().max(self.to[i].abs());
+                (error / (tolerance * size)).powi(2)
+            })
+            .sum();
+        (squares / N as f64).sqrt()
+    }
+
+    /// The solution within the step.
+    fn at(&self, t: f64) -> [f64; N] {
+        let s = (t - self.t) / self.h;
+        let r = 1.0 - s;
+        std::array::from_fn(|i| {
+            let gain = self.to[i] - self.from[i];
+            let start = self.h * self.k[0][i] - gain;
+            let end = gain - self.h * self.k[6][i] - start;
+            let last: f64 = self.h * (0..7).map(|j| D[j] * self.k[j][i]).sum::<f64>();
+            self.from[i] + s * (gain + r * (start + s * (end + r * last)))
+        })
     }
 }
 
@@ -81,88 +154,72 @@ pub fn integrate<const N: usize, S: System<N>>(
     clock: &mut Clock,
     mut sample: impl FnMut(f64, &[f64; N], &S),
 ) -> anyhow::Result<()> {
-    let mut t = from_s;
-    let failed = |e| anyhow!("the adaptive solver failed: {e:?}");
-    for _ in 0..MOST_EVENTS {
-        if system.margin(t, y) < 0.0 {
-            system.switch(t, y);
-        }
-        let mut method = ExplicitRungeKutta::dop853()
-            .rtol(tolerance)
-            .atol(system.scale().map(|scale| scale * tolerance))
-            .max_steps(MOST_STEPS);
-        method.init(&Slope(system), t, to_s, y).map_err(failed)?;
-        let mut event = None;
-        while event.is_none() && method.t() < to_s {
-            let before = method.t();
-            let left = to_s - before;
-            if method.h() > left {
-                method.set_h(left);
-            }
-            method.step(&Slope(system)).map_err(failed)?;
-            if method.t() == before {
-                continue; // rejected; it tries again with a shorter step
-            }
-            if to_s - method.t() < EVENT_S {
-                // What rounding left over is no step.
-                let (t, y) = (method.t(), *method.y());
-                event = (system.margin(t, &y) < 0.0).then_some((t, y));
-                take(clock, t.max(to_s), &mut method, to_s, |t, y| sample(t, y, system))?;
-                break;
-            }
-            let mut until = method.t();
-            if system.margin(until, method.y()) < 0.0 {
-                let (mut good, mut bad) = (before, until);
-                while bad - good > EVENT_S {
-                    let middle = 0.5 * (good + bad);
-                    if middle <= good || middle >= bad {
-                        break;
-                    }
-                    let there = method.interpolate(middle).map_err(failed)?;
-                    if system.margin(middle, &there) < 0.0 {
-                        bad = middle;
-                    } else {
-                        good = middle;
-                    }
-                }
-                until = bad;
-                event = Some((bad, method.interpolate(bad).map_err(failed)?));
-            }
-            take(clock, until, &mut method, until, |t, y| sample(t, y, system))?;
-        }
-        let Some((at, there)) = event else {
-            *y = *method.y();
-            ensure!(y.iter().all(|x| x.is_finite()), "the adaptive solution diverged at {t} s");
-            return Ok(());
-        };
-        (t, *y) = (at, there);
+    let (mut t, mut events) = (from_s, 0);
+    let scale = system.scale();
+    if system.margin(t, y) < 0.0 {
         system.switch(t, y);
-        if to_s - t < EVENT_S {
-            return Ok(());
-        }
     }
-    Err(anyhow!("more than {MOST_EVENTS} events between {from_s} s and {to_s} s"))
-}
-
-/// Samples up to `until_s`, from the interpolant of the step that was just made.
-fn take<const N: usize, M>(
-    clock: &mut Clock,
-    until_s: f64,
-    method: &mut M,
-    end_s: f64,
-    mut sample: impl FnMut(f64, &[f64; N]),
-) -> anyhow::Result<()>
-where
-    M: OrdinaryNumericalMethod<f64, [f64; N]> + Interpolation<f64, [f64; N]>,
-{
-    while clock.next_s() <= until_s + 1e-9 * clock.period_s {
-        let at = clock.next_s().min(end_s);
-        let within = at.clamp(method.t_prev(), method.t());
-        let y = method.interpolate(within).map_err(|e| anyhow!("interpolation: {e:?}"))?;
-        sample(at, &y);
-        clock.taken += 1;
+    let mut slope = system.slope(t, y);
+    let mut h = FIRST_STEP * (to_s - from_s);
+    while to_s - t > EVENT_S {
+        // The last step ends at the kink exactly, with no sliver left over.
+        let last = t + h >= to_s - EVENT_S;
+        let made = Made::new(system, t, if last { to_s - t } else { h }, *y, slope);
+        let error = made.error(tolerance, &scale);
+        let factor = (0.9 * error.powf(-0.2)).clamp(0.2, 5.0);
+        if error > 1.0 || error.is_nan() {
+            h = made.h * if error.is_nan() { 0.2 } else { factor };
+            ensure!(
+                h > SHORTEST_S * t.abs().max(1.0),
+                "the adaptive step shrank to {h} s at {t} s"
+            );
+            continue;
+        }
+        let mut until = if last { to_s } else { t + made.h };
+        let mut there = made.to;
+        let switches = system.margin(until, &there) < 0.0;
+        if switches {
+            until = crossing(system, &made, until);
+            there = made.at(until);
+        }
+        while clock.next_s() <= until + 1e-9 * clock.period_s {
+            let at = clock.next_s();
+            sample(at, &made.at(at.min(until)), system);
+            clock.taken += 1;
+        }
+        (t, *y) = (until, there);
+        if switches {
+            events += 1;
+            if events > MOST_EVENTS {
+                bail!("more than {MOST_EVENTS} events between {from_s} s and {to_s} s");
+            }
+            system.switch(t, y);
+            slope = system.slope(t, y);
+            h = made.h.min(FIRST_STEP * (to_s - from_s));
+        } else {
+            slope = made.k[6];
+            // What the kink cut off says nothing about the next step.
+            h = made.h * factor;
+        }
     }
     Ok(())
+}
+
+/// When the margin falls below zero within a step: just after.
+fn crossing<const N: usize, S: System<N>>(system: &S, made: &Made<N>, until: f64) -> f64 {
+    let (mut good, mut bad) = (made.t, until);
+    while bad - good > EVENT_S {
+        let middle = 0.5 * (good + bad);
+        if middle <= good || middle >= bad {
+            break;
+        }
+        if system.margin(middle, &made.at(middle)) < 0.0 {
+            bad = middle;
+        } else {
+            good = middle;
+        }
+    }
+    bad
 }
 
 #[cfg(test)]
@@ -217,5 +274,35 @@ mod tests {
         let mut clock = Clock::new(1.0);
         integrate(&mut spring, &mut y, (0.0, 20.0), 1e-10, &mut clock, |_, _, _| {}).unwrap();
         assert!((y[0].abs() - 0.2).abs() < 1e-6 && y[1] == 0.0, "{y:?}");
+    }
+
+    #[test]
+    fn one_step_is_of_order_5_and_its_interpolant_of_order_4() {
+        let spring = Spring { friction: 0.0, way: 1.0 };
+        let off = |h: f64, s: f64| {
+            let (sin, cos) = 0.7_f64.sin_cos();
+            let made = Made::new(&spring, 0.7, h, [sin, cos], [cos, -sin]);
+            (made.at(0.7 + s * h)[0] - (0.7 + s * h).sin()).abs()
+        };
+        for (s, order) in [(1.0, 6.0), (0.37, 5.0)] {
+            let found = (off(0.2, s) / off(0.1, s)).log2();
+            assert!((found - order).abs() < 0.3, "at {s}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_pole_is_an_error() {
+        struct Pole;
+        impl System<1> for Pole {
+            fn slope(&self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
+                [y[0] * y[0]]
+            }
+            fn scale(&self) -> [f64; 1] {
+                [1.0]
+            }
+        }
+        let mut clock = Clock::never();
+        let result = integrate(&mut Pole, &mut [1.0], (0.0, 2.0), 1e-9, &mut clock, |_, _, _| {});
+        assert!(result.unwrap_err().to_string().contains("shrank"));
     }
 }
