@@ -152,7 +152,8 @@ pub fn check<S: Strategy>(
         panic!("{failure}");
     }
     let Tally { accepted, rejected } = seen.get();
-    assert!(accepted > rejected / 2 && rejected > accepted / 20, "{:?} is lopsided", seen.get());
+    let both = accepted > rejected / 2 && rejected > accepted / 20;
+    assert!(both || accepted + rejected < 1000, "{:?} is lopsided", seen.get());
 }
 
 #[test]

@@ -21,7 +21,7 @@ use crate::finite::some;
 
 /// Where the plant stays finite. Beyond, a coefficient seen through gears and wheels or a power
 /// under absurd wind is too large for `f32`.
-const PLANT: Spread = within(1e4);
+const PLANT: Spread = within(1e3);
 
 /// A slope and a wind that are not absurd, as the road has them: the plant judges these by their
 /// effect only, and a wind against a body without drag has none.
