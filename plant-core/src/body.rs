@@ -245,6 +245,7 @@ impl Body {
         let rejected = !(sane(input.force_n)
             && sane(input.road.magnitude())
             && input.road.brake_n >= 0.0
+            && input.road.grade.cos >= 0.0
             && sane(v + motion.increment_m_s));
         if rejected {
             motion.increment_m_s = 0.0;

@@ -165,13 +165,13 @@ impl Driver {
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
         match self {
             Self::Duty(pid) => {
-                pid.feed_back(&mut state.speed, input.vehicle.duty);
-                let command = pid.step(
+                let command = pid.step_fed_back(
                     &mut state.speed,
                     PidInput {
                         reference: input.reference_m_s,
                         measurement: input.vehicle.speed_m_s,
                     },
+                    input.vehicle.duty,
                 );
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
@@ -278,23 +278,23 @@ impl TorqueDriver {
             + self.drop_v * i / (i.abs() + DROP_FADE_A);
         let per_v = 1.0 / max(vehicle.battery_v, 1.0);
 
-        let controller = self
-            .speed
-            .step(&mut state.speed, PidInput { reference: reference_m_s, measurement: v });
+        let mut next = *state;
+        let controller =
+            self.speed.step(&mut next.speed, PidInput { reference: reference_m_s, measurement: v });
         let force_n = controller.output + self.mass_kg * reference_m_s2;
         let wanted_nm = force_n * self.per_motor_rad_m;
         let (mut command_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
-        if !free || vehicle.limited || state.speed.held_back() {
-            (command_nm, brake_n) = self.blend(state, &input, wanted_nm);
+        if !free || vehicle.limited || next.speed.held_back() {
+            (command_nm, brake_n) = self.blend(&mut next, &input, wanted_nm);
         }
         let duty = (self.v_per_nm * command_nm + idle_v) * per_v;
 
-        let sound =
-            !controller.rejected && sane(duty.abs() + brake_n + force_n.abs() + vehicle.soc.abs());
+        let sound = !controller.rejected
+            && sane(duty.abs() + brake_n + force_n.abs() + vehicle.soc.abs())
+            && sane(i.abs() + reference_m_s2.abs() + vehicle.battery_v.abs());
         if sound {
-            state.last_duty = duty;
-            state.last_brake_n = brake_n;
+            *state = DriverState { last_duty: duty, last_brake_n: brake_n, ..next };
         }
         DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
     }

@@ -99,8 +99,9 @@ terms! {
     auxiliary,
     /// Heat in the motor's winding.
     copper,
-    /// `(Ke − Kt)·ω·i`: iron losses where Ke > Kt; negative, created from nothing, where a
-    /// parameter set has Kt > Ke.
+    /// `(Ke − Kt)·ω·i`: what a parameter set with Ke ≠ Kt takes from one side and does not give to
+    /// the other. Negative, created from nothing, where Kt > Ke and the motor drives, or where
+    /// Ke > Kt and it generates.
     conversion,
     /// Viscous friction of motor, wheels and body.
     viscous,

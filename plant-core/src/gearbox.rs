@@ -101,10 +101,11 @@ impl Gearbox {
     /// Advances by one step on its own, the wheel's speed imposed.
     #[inline]
     pub fn step(&self, state: &mut GearboxState, input: GearboxInput) -> GearboxOutput {
-        let rejected = !(sane(input.motor_nm) && sane(input.wheel_rad_s));
+        let inertia_nm = self.ratio_squared * (self.inertia_per_h * (input.wheel_rad_s - *state));
+        let rejected = !(sane(input.motor_nm) && sane(input.wheel_rad_s) && inertia_nm.is_finite());
         let (motor_nm, wheel_rad_s) =
             if rejected { (0.0, *state) } else { (input.motor_nm, input.wheel_rad_s) };
-        let inertia_nm = self.ratio_squared * self.inertia_per_h * (wheel_rad_s - *state);
+        let inertia_nm = if rejected { 0.0 } else { inertia_nm };
         let loss_nm = self.loss_ratio * motor_nm.abs() * crate::num::sign(wheel_rad_s);
         *state = wheel_rad_s;
         GearboxOutput {

@@ -196,7 +196,8 @@ impl Pid {
     pub const fn preload(&self, state: &mut PidState, output: Real, input: PidInput) {
         let error = input.reference - input.measurement;
         let integral = output - self.params.proportional * error;
-        if sane(output) && sane(error) && sane(integral) {
+        let magnitude = input.reference.abs() + input.measurement.abs();
+        if sane(output) && sound(magnitude) && sane(integral) {
             *state = PidState {
                 integral: Accum::new(integral),
                 output: Accum::new(output),
@@ -211,9 +212,14 @@ impl Pid {
     /// held back, say), so that the integral does not wind up against it.
     #[inline]
     pub const fn feed_back(&self, state: &mut PidState, applied: Real) {
-        if self.is_directional() {
-            state.excess = state.output.get() - applied;
+        if sane(applied) {
+            state.excess = self.excess(state, applied);
         }
+    }
+
+    #[inline(always)]
+    const fn excess(&self, state: &PidState, applied: Real) -> Real {
+        if self.is_directional() { state.output.get() - applied } else { 0.0 }
     }
 
     /// Tells only which way something further down the loop is saturated: 1 up, −1 down, 0 not.
@@ -225,14 +231,42 @@ impl Pid {
     /// Advances by one step.
     #[inline(always)]
     pub fn step(&self, state: &mut PidState, input: PidInput) -> PidOutput {
+        self.advance(state, input, state.excess, 0.0)
+    }
+
+    /// Advances by one step after being told what became of the last output; a bad `applied`
+    /// counts as bad input.
+    #[inline(always)]
+    pub(crate) fn step_fed_back(
+        &self,
+        state: &mut PidState,
+        input: PidInput,
+        applied: Real,
+    ) -> PidOutput {
+        self.advance(state, input, self.excess(state, applied), applied)
+    }
+
+    #[inline(always)]
+    fn advance(
+        &self,
+        state: &mut PidState,
+        input: PidInput,
+        excess: Real,
+        applied: Real,
+    ) -> PidOutput {
         let p = &self.params;
         let error = input.reference - input.measurement;
         // An integral that has grown absurd counts as bad input: it must not become infinite.
-        let magnitude =
-            input.reference.abs() + input.measurement.abs() + state.integral.get().abs();
+        let magnitude = input.reference.abs()
+            + input.measurement.abs()
+            + state.integral.get().abs()
+            + applied.abs();
         if !sound(magnitude) {
             let output = state.output.get();
             return PidOutput { output, raw: output, saturated: false, rejected: true };
+        }
+        if self.is_directional() {
+            state.excess = excess;
         }
         let mut raw = p.proportional * error + state.integral.get();
         if self.derivative_gain > 0.0 {

@@ -99,17 +99,21 @@ impl Wheel {
     /// Advances by one step on its own, the road's speed imposed.
     #[inline]
     pub fn step(&self, state: &mut WheelState, input: WheelInput) -> WheelOutput {
-        let rejected = !(sane(input.axle_nm) && sane(input.speed_m_s));
-        let (axle_nm, v) = if rejected { (0.0, *state) } else { (input.axle_nm, input.speed_m_s) };
-        let inertia_n = self.mass_per_h * (v - *state);
-        let viscous_n = self.viscous_n_s_per_m * v;
-        *state = v;
-        WheelOutput {
-            axle_rad_s: self.axle_rad_s(v),
-            force_n: self.per_radius * axle_nm - viscous_n - inertia_n,
-            loss_w: viscous_n * v,
-            rejected,
+        let at = |axle_nm: Real, v: Real| {
+            let viscous_n = self.viscous_n_s_per_m * v;
+            let inertia_n = self.mass_per_h * (v - *state);
+            (self.per_radius * axle_nm - viscous_n - inertia_n, viscous_n * v)
+        };
+        let (mut force_n, mut loss_w) = at(input.axle_nm, input.speed_m_s);
+        let finite = force_n.is_finite() && loss_w.is_finite();
+        let rejected = !(sane(input.axle_nm) && sane(input.speed_m_s) && finite);
+        if rejected {
+            loss_w = self.viscous_n_s_per_m * *state * *state;
+            force_n = -self.viscous_n_s_per_m * *state;
+        } else {
+            *state = input.speed_m_s;
         }
+        WheelOutput { axle_rad_s: self.axle_rad_s(*state), force_n, loss_w, rejected }
     }
 }
 

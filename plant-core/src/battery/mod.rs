@@ -237,13 +237,17 @@ impl Battery {
     /// not allow is refused and reported.
     #[inline]
     pub fn step(&self, state: &mut BatteryState, input: BatteryInput) -> BatteryOutput {
-        let rejected = !sane(input.current_a);
         let (source, open_circuit_v) = self.offer(state);
         let limits = self.limits(state);
-        let wanted_a = if rejected { 0.0 } else { input.current_a };
-        let current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
-        if !rejected {
-            self.settle(state, current_a);
+        let mut wanted_a = input.current_a;
+        let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
+        let mut next = *state;
+        self.settle(&mut next, current_a);
+        let rejected = !(sane(wanted_a) && sane(next.rc.voltage_v.get()));
+        if rejected {
+            (wanted_a, current_a) = (0.0, 0.0);
+        } else {
+            *state = next;
         }
         let rc_v = state.rc.voltage_v.get();
         BatteryOutput {

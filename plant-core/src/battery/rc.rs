@@ -103,9 +103,9 @@ impl RcBranch {
     /// Advances by one step.
     #[inline]
     pub fn step(&self, state: &mut RcBranchState, input: RcBranchInput) -> RcBranchOutput {
-        let rejected = !sane(input.discharge_a);
+        let increment_v = self.increment_v(state, input.discharge_a);
+        let rejected = !(sane(input.discharge_a) && sane(state.voltage_v.get() + increment_v));
         if !rejected {
-            let increment_v = self.increment_v(state, input.discharge_a);
             state.voltage_v.add(increment_v);
         }
         let voltage_v = state.voltage_v.get();

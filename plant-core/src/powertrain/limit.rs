@@ -32,7 +32,7 @@ impl<L: Book> Powertrain<L> {
         let mut solution = commanded;
         let starved = limits.discharge_a < start.loads.current_a(start.bus.emf_v);
         if starved {
-            start.loads = Loads::default();
+            start.loads = Loads { any: true, ..Loads::default() };
             start.bus = source;
             solution = self.solve_again(&start, commanded.duty);
         }
@@ -112,23 +112,24 @@ impl DutyLaw {
     fn drawing(&self, allowed_a: Real, commanded: Real) -> Real {
         let Self { emf_v, source_ohm, beta_v, rho_ohm } = *self;
         let a = emf_v - source_ohm * allowed_a;
-        if a <= 0.0 {
-            return commanded; // beyond the short-circuit current: nothing to hold back
-        }
         let discriminant = beta_v * beta_v + 4.0 * a * rho_ohm * allowed_a;
         if discriminant < 0.0 {
-            return -beta_v / emf_v; // no duty charges that much
+            // No duty charges that much; or discharges that much, but for rounding.
+            return if allowed_a < 0.0 { -beta_v / emf_v } else { commanded };
         }
         let root = sqrt(discriminant);
         if allowed_a < 0.0 {
             return if beta_v > 0.0 { -beta_v - root } else { -beta_v + root } / (2.0 * a);
         }
         let signed = if commanded < 0.0 { -root } else { root };
-        if beta_v * signed <= 0.0 {
+        if beta_v * signed > 0.0 {
+            // Without cancellation; also for a ≤ 0, as plug braking can draw more than the
+            // short-circuit current.
+            2.0 * rho_ohm * allowed_a / (beta_v + signed)
+        } else if a > 0.0 {
             (signed - beta_v) / (2.0 * a)
         } else {
-            // The same root without cancellation.
-            2.0 * rho_ohm * allowed_a / (beta_v + signed)
+            commanded // beyond the short-circuit current: nothing to hold back
         }
     }
 }

@@ -339,11 +339,15 @@ impl<L: Book> Powertrain<L> {
         // One check of what could pass unseen (a standstill swallows it) and of what is about to
         // enter a state, where the rest shows.
         let magnitude = input.auxiliary_w
-            + start.resistance.friction_n
+            + input.road.magnitude()
             + (i + solution.current_increment_a).abs()
             + (v + solution.motion.increment_m_s).abs()
-            + solution.battery_a.abs();
-        let accepted = sound(magnitude) && input.road.brake_n >= 0.0 && input.auxiliary_w >= 0.0;
+            + solution.battery_a.abs()
+            + battery.rc.voltage_v.get().abs();
+        let accepted = sound(magnitude)
+            && input.road.brake_n >= 0.0
+            && input.road.grade.cos >= 0.0
+            && input.auxiliary_w >= 0.0;
         if !accepted {
             return self.rejected(state, open_circuit_v);
         }

@@ -50,11 +50,6 @@ pub fn any_bits() -> impl Strategy<Value = Real> {
     ]
 }
 
-/// A finite value held within what is not absurd; anything else as it is.
-pub fn not_absurd(x: Real) -> Real {
-    if x.is_finite() { x.clamp(-LARGEST, LARGEST) } else { x }
-}
-
 /// Up to 20 inputs of `N` fields: most of them plausible, some with any bits in one field or
 /// another, some with any bits in all.
 pub fn inputs<const N: usize>(

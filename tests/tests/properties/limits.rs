@@ -4,7 +4,6 @@ use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, BatteryState};
 use plant_core::body::Road;
 use plant_core::converter::ConverterParams;
-use plant_core::port::Source;
 use plant_core::powertrain::{
     Limited, Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams,
 };
@@ -68,14 +67,6 @@ fn back_emf_is_too_large(
         && out.duty.abs() == duty_limit
         && out.duty * commanded > 0.0
         && !(0_u8..=20).any(|i| keeps(from + (out.duty - from) * Real::from(i) / 20.0))
-}
-
-/// The other exception: plug braking draws more than the battery's short-circuit current, and that
-/// is below its limit. Nothing is held back then.
-fn beyond_short_circuit(source: &Source, limits: &Limits, out: &PowertrainOutput) -> bool {
-    out.limited == Limited::Discharge
-        && out.battery_v < 0.0
-        && source.voltage_v(limits.discharge_a as Real) <= 0.0
 }
 
 /// The same plant without any limit, and without what is cut off when its battery cannot feed it.
@@ -144,11 +135,9 @@ proptest! {
                 let input = PowertrainInput { duty, auxiliary_w, ..input };
                 exactly.keep(free.step(&mut before.clone(), input).battery_a, winding_a)
             };
-            let source = plant.battery().offer(&before.battery).0;
             prop_assert!(
                 limits.keep(out.battery_a, winding_a)
-                    || back_emf_is_too_large(duty, &out, params.converter.duty_limit, keeps_at)
-                    || beyond_short_circuit(&source, &limits, &out),
+                    || back_emf_is_too_large(duty, &out, params.converter.duty_limit, keeps_at),
                 "{limits:?} {input:?} {out:?} {before:?}"
             );
         }
