@@ -91,7 +91,8 @@ terms! {
     electrochemical,
     /// Heat in the battery's series resistance.
     series_joule,
-    /// Heat in the battery's polarisation resistance.
+    /// Heat in the battery's polarisation resistance; for a battery with maps what its branches
+    /// and its hysteresis take, stored or not.
     polarisation_joule,
     /// Loss of the converter.
     converter,

@@ -27,6 +27,8 @@ pub enum ParamError {
     LengthsDiffer(&'static str),
     /// Must not decrease from one entry to the next.
     Decreasing(&'static str),
+    /// Must lie in the range that the field's documentation gives.
+    OutOfRange(&'static str),
 }
 
 impl ParamError {
@@ -43,7 +45,8 @@ impl ParamError {
             | Self::NotAbove(f)
             | Self::NotIncreasing(f)
             | Self::LengthsDiffer(f)
-            | Self::Decreasing(f) => f,
+            | Self::Decreasing(f)
+            | Self::OutOfRange(f) => f,
         }
     }
 
@@ -63,6 +66,7 @@ impl ParamError {
             }
             Self::LengthsDiffer(_) => "must have as many entries as the field that it belongs to",
             Self::Decreasing(_) => "must not decrease from one entry to the next",
+            Self::OutOfRange(_) => "must lie in the range that its documentation gives",
         }
     }
 

@@ -1,9 +1,24 @@
-//! Battery: open-circuit voltage, series resistance, one RC branch, state of charge.
+//! Batteries: open-circuit voltage, series resistance, RC branches, state of charge.
+//!
+//! [`Battery`] has constant parameters and one RC branch. [`MappedBattery`] has parameters over
+//! state of charge and temperature, a second branch, hysteresis and a thermal node. Either can
+//! sit in the coupled plant, which asks of it what [`Pack`] says.
 
+mod map;
+mod mapped;
 mod open_circuit;
+mod pack;
 mod rc;
 
+pub use map::{
+    BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OverSoc, REFERENCE_C,
+    ResistanceMap, ThermalParams,
+};
+pub use mapped::{
+    MappedBattery, MappedBatteryInput, MappedBatteryOutput, MappedBatteryState, Resistances,
+};
 pub use open_circuit::OpenCircuit;
+pub use pack::{Losses, Pack};
 pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchState};
 
 use crate::error::{ParamError, check, limit, positive, ratio};

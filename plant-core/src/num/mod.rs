@@ -109,6 +109,16 @@ pub fn sqrt(x: Real) -> Real {
     return libm::sqrt(x);
 }
 
+/// Exponential.
+#[inline]
+#[must_use]
+pub fn exp(x: Real) -> Real {
+    #[cfg(not(feature = "twin-f64"))]
+    return libm::expf(x);
+    #[cfg(feature = "twin-f64")]
+    return libm::exp(x);
+}
+
 /// The largest whole number not above `x`.
 #[inline]
 #[must_use]

@@ -11,7 +11,7 @@ use super::{Real, SOC_POINTS, SocTable};
 /// Most pairs that a file may give.
 const MOST_POINTS: usize = 257;
 /// The table that parameters hold.
-const FIELD: &str = "battery.open_circuit.table";
+const FIELD: &str = "table";
 
 /// The state of charge at a point of the grid.
 #[expect(clippy::cast_precision_loss, reason = "at most 64")]

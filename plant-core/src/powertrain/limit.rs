@@ -1,7 +1,7 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
 
 use super::{Limited, Loads, Powertrain, Solution, Start};
-use crate::battery::CurrentLimits;
+use crate::battery::{CurrentLimits, Pack};
 use crate::energy::Book;
 use crate::num::{Real, max, sqrt};
 use crate::port::{Slip, Source};
@@ -17,7 +17,7 @@ pub(super) struct Held {
     pub starved: bool,
 }
 
-impl<L: Book> Powertrain<L> {
+impl<L: Book, B: Pack> Powertrain<L, B> {
     /// A step that keeps the battery's limits: the auxiliary loads are cut off if it cannot feed
     /// even them, then the duty is held back.
     #[cold]

@@ -11,7 +11,9 @@ pub use output::{Limited, PowertrainOutput};
 use core::marker::PhantomData;
 
 use crate::auxiliary::{Auxiliary, AuxiliaryParams};
-use crate::battery::{Battery, BatteryParams, BatteryState};
+use crate::battery::{
+    Battery, BatteryParams, BatteryState, MappedBattery, MappedBatteryParams, Pack,
+};
 use crate::body::{Body, BodyParams, BodyState, Motion, Resistance, Road};
 use crate::converter::{Converter, ConverterParams};
 use crate::dc_motor::{DcMotor, DcMotorParams, Winding};
@@ -32,9 +34,9 @@ use crate::wheel::{Wheel, WheelParams};
     derive(serde::Serialize, serde::Deserialize),
     serde(deny_unknown_fields)
 )]
-pub struct PowertrainParams {
+pub struct PowertrainParams<P = BatteryParams> {
     /// The battery.
-    pub battery: BatteryParams,
+    pub battery: P,
     /// What else draws from it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub auxiliary: AuxiliaryParams,
@@ -51,12 +53,29 @@ pub struct PowertrainParams {
     pub body: BodyParams,
 }
 
-/// The coupled plant, discretised for one step; `L` says whether it keeps an energy ledger.
+impl<P: Copy> PowertrainParams<P> {
+    /// The same with another battery.
+    #[must_use]
+    pub const fn with_battery<Q>(self, battery: Q) -> PowertrainParams<Q> {
+        PowertrainParams {
+            battery,
+            auxiliary: self.auxiliary,
+            converter: self.converter,
+            motor: self.motor,
+            gearbox: self.gearbox,
+            wheel: self.wheel,
+            body: self.body,
+        }
+    }
+}
+
+/// The coupled plant, discretised for one step; `L` says whether it keeps an energy ledger, `B`
+/// which battery it has.
 ///
 /// For a given duty and given forces a step is stable for any `h` and any physical parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Powertrain<L = NoLedger> {
-    battery: Battery,
+pub struct Powertrain<L = NoLedger, B = Battery> {
+    battery: B,
     auxiliary: Auxiliary,
     converter: Converter,
     /// The motor's electrical side, seen from the road.
@@ -79,9 +98,9 @@ pub struct Powertrain<L = NoLedger> {
 /// The state of a [`Powertrain`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PowertrainState<L = NoLedger> {
+pub struct PowertrainState<L = NoLedger, S = BatteryState> {
     /// The battery.
-    pub battery: BatteryState,
+    pub battery: S,
     /// Winding current \[A\].
     pub current_a: Accum,
     /// Speed and distance.
@@ -151,7 +170,33 @@ impl Powertrain<NoLedger> {
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
     pub const fn new(params: PowertrainParams, dt: Dt) -> Result<Self, ParamError> {
-        Self::checked(params, dt)
+        Self::assembled(check!(Battery::new(params.battery, dt)), &params, dt)
+    }
+}
+
+impl Powertrain<NoLedger, MappedBattery> {
+    /// The same with a battery whose parameters depend on state of charge and temperature.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn mapped(
+        params: PowertrainParams<MappedBatteryParams>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        Self::assembled(check!(MappedBattery::new(params.battery, dt)), &params, dt)
+    }
+}
+
+impl Powertrain<EnergyLedger, MappedBattery> {
+    /// The same with a ledger.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn mapped_with_ledger(
+        params: PowertrainParams<MappedBatteryParams>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        Self::assembled(check!(MappedBattery::new(params.battery, dt)), &params, dt)
     }
 }
 
@@ -161,23 +206,29 @@ impl Powertrain<EnergyLedger> {
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
     pub const fn with_ledger(params: PowertrainParams, dt: Dt) -> Result<Self, ParamError> {
-        Self::checked(params, dt)
+        Self::assembled(check!(Battery::new(params.battery, dt)), &params, dt)
     }
+}
 
+impl<B: Pack> Powertrain<EnergyLedger, B> {
     /// Where the energy went between the state `start` and the state `now`, which came from it.
     #[must_use]
     pub fn energy(
         &self,
-        start: &PowertrainState<EnergyLedger>,
-        now: &PowertrainState<EnergyLedger>,
+        start: &PowertrainState<EnergyLedger, B::State>,
+        now: &PowertrainState<EnergyLedger, B::State>,
     ) -> EnergyReport {
         let discharged_j = self.battery.discharged_energy_j(&start.battery, &now.battery);
         now.ledger.report(&self.flow_factors(), self.dt_s, self.stored(now), discharged_j)
     }
 }
 
-impl<L: Book> Powertrain<L> {
-    const fn checked(params: PowertrainParams, dt: Dt) -> Result<Self, ParamError> {
+impl<L: Book, B: Pack> Powertrain<L, B> {
+    const fn assembled<P>(
+        battery: B,
+        params: &PowertrainParams<P>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
         let motor = check!(DcMotor::new(params.motor, dt));
         let gearbox = check!(Gearbox::new(params.gearbox, dt));
         let wheel = check!(Wheel::new(params.wheel, dt));
@@ -186,7 +237,7 @@ impl<L: Book> Powertrain<L> {
         let converter = check!(Converter::new(params.converter));
         let motor_rad_per_m = gearbox.ratio * wheel.per_radius;
         Ok(Self {
-            battery: check!(Battery::new(params.battery, dt)),
+            battery,
             winding: motor.winding().reflected(motor_rad_per_m),
             coast: wheel.coast(gearbox.coast(motor.coast())).plus(body.coast()),
             gear_loss_n_per_a: gearbox.loss_ratio()
@@ -208,7 +259,7 @@ impl<L: Book> Powertrain<L> {
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] for a state of charge outside 0..1.
-    pub fn at_rest(&self, soc: Real) -> Result<PowertrainState<L>, ParamError> {
+    pub fn at_rest(&self, soc: Real) -> Result<PowertrainState<L, B::State>, ParamError> {
         self.at_speed(soc, 0.0)
     }
 
@@ -217,9 +268,13 @@ impl<L: Book> Powertrain<L> {
     /// # Errors
     /// [`ParamError::NotARatio`] for a state of charge outside 0..1,
     /// [`ParamError::NotFinite`] for a bad speed.
-    pub fn at_speed(&self, soc: Real, speed_m_s: Real) -> Result<PowertrainState<L>, ParamError> {
+    pub fn at_speed(
+        &self,
+        soc: Real,
+        speed_m_s: Real,
+    ) -> Result<PowertrainState<L, B::State>, ParamError> {
         let speed_m_s = Accum::new(crate::error::finite("speed_m_s", speed_m_s)?);
-        let battery = BatteryState::rested(soc)?;
+        let battery = self.battery.rested(soc)?;
         let mut state = PowertrainState {
             battery,
             current_a: Accum::new(0.0),
@@ -232,25 +287,24 @@ impl<L: Book> Powertrain<L> {
     }
 
     /// Energy held in motion and fields.
-    fn stored(&self, state: &PowertrainState<L>) -> Stored {
+    fn stored(&self, state: &PowertrainState<L, B::State>) -> Stored {
         let v = state.body.speed_m_s.get();
         let i = state.current_a.get();
-        let rc_v = state.battery.rc.voltage_v.get();
         Stored {
             kinetic: 0.5 * self.moving_mass_kg() * v * v,
             inductive: 0.5 * self.inductance_h * i * i,
-            capacitive: 0.5 * self.battery.rc.capacitance_f * rc_v * rc_v,
+            capacitive: self.battery.capacitive_j(&state.battery),
         }
     }
 
     /// What a driver sees of a state before its first step.
     #[must_use]
-    pub const fn feedback(&self, state: &PowertrainState<L>) -> Feedback {
+    pub fn feedback(&self, state: &PowertrainState<L, B::State>) -> Feedback {
         Feedback {
             speed_m_s: state.body.speed_m_s.get(),
             motor_a: state.current_a.get(),
             battery_v: state.battery_v,
-            soc: state.battery.soc.get(),
+            soc: B::soc(&state.battery),
             duty: 0.0,
             limited: false,
         }
@@ -258,7 +312,7 @@ impl<L: Book> Powertrain<L> {
 
     /// The battery model inside.
     #[must_use]
-    pub const fn battery(&self) -> &Battery {
+    pub const fn battery(&self) -> &B {
         &self.battery
     }
 
@@ -303,7 +357,11 @@ impl<L: Book> Powertrain<L> {
 
     /// Advances by one step.
     #[inline(always)]
-    pub fn step(&self, state: &mut PowertrainState<L>, input: PowertrainInput) -> PowertrainOutput {
+    pub fn step(
+        &self,
+        state: &mut PowertrainState<L, B::State>,
+        input: PowertrainInput,
+    ) -> PowertrainOutput {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
 
         // Down: what the terminals offer, what the auxiliary loads leave of it, what resists.
@@ -343,7 +401,7 @@ impl<L: Book> Powertrain<L> {
             + (i + solution.current_increment_a).abs()
             + (v + solution.motion.increment_m_s).abs()
             + solution.battery_a.abs()
-            + battery.rc.voltage_v.get().abs();
+            + B::magnitude(&battery);
         let accepted = sound(magnitude)
             && input.road.brake_n >= 0.0
             && input.road.grade.cos >= 0.0
@@ -353,16 +411,15 @@ impl<L: Book> Powertrain<L> {
         }
 
         // Back: each state from the solution.
-        let rc_before_v = state.battery.rc.voltage_v.get();
+        let losses = self.battery.losses(&state.battery, &battery, solution.battery_a);
         state.current_a.add(solution.current_increment_a);
         Body::settle(&mut state.body, solution.motion, self.dt_s);
         state.battery = battery;
         state.battery_v = solution.battery_v;
 
-        let rc_increment_v = battery.rc.voltage_v.get() - rc_before_v;
-        let raw =
-            self.raw_flows(state, &input.road, &start, &solution, open_circuit_v, rc_increment_v);
+        let raw = self.raw_flows(state, &input.road, &start, &solution, open_circuit_v, losses);
         state.ledger.book(&raw);
+        self.battery.refresh(&mut state.battery);
         PowertrainOutput {
             rejected: false,
             duty: solution.duty,
@@ -371,10 +428,11 @@ impl<L: Book> Powertrain<L> {
             slip: solution.motion.slip,
             speed_m_s: state.body.speed_m_s.get(),
             distance_m: state.body.distance_m.get(),
-            soc: state.battery.soc.get(),
+            soc: B::soc(&state.battery),
             battery_a: solution.battery_a,
             battery_v: solution.battery_v,
             open_circuit_v,
+            battery_outside_identified: B::is_outside(&state.battery),
             motor_a: state.current_a.get(),
             motor_nm: self.torque_nm_per_a * state.current_a.get(),
             motor_rad_s: self.motor_rad_per_m * state.body.speed_m_s.get(),
@@ -383,8 +441,8 @@ impl<L: Book> Powertrain<L> {
     }
 }
 
-impl<L: Book> Model for Powertrain<L> {
-    type State = PowertrainState<L>;
+impl<L: Book, B: Pack> Model for Powertrain<L, B> {
+    type State = PowertrainState<L, B::State>;
     type Input = PowertrainInput;
     type Output = PowertrainOutput;
 

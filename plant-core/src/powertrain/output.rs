@@ -1,6 +1,7 @@
 //! What a step of the plant says, powers included.
 
 use super::{Powertrain, PowertrainState, Solution, Start};
+use crate::battery::{Losses, Pack};
 use crate::body::Road;
 use crate::energy::{Book, Flows};
 use crate::num::Real;
@@ -45,6 +46,9 @@ pub struct PowertrainOutput {
     pub battery_v: Real,
     /// The battery's open-circuit voltage over the step \[V\].
     pub open_circuit_v: Real,
+    /// The battery's state of charge or temperature lie outside what its parameters were
+    /// identified for.
+    pub battery_outside_identified: bool,
     /// Winding current \[A\].
     pub motor_a: Real,
     /// Air-gap torque of the motor \[N·m\].
@@ -55,13 +59,14 @@ pub struct PowertrainOutput {
     pub flows: Flows,
 }
 
-impl<L: Book> Powertrain<L> {
+impl<L: Book, B: Pack> Powertrain<L, B> {
     /// What each raw power of [`raw_flows`](Self::raw_flows) is to be multiplied by.
     #[inline(always)]
-    pub(super) const fn flow_factors(&self) -> Flows {
+    pub(super) fn flow_factors(&self) -> Flows {
+        let (series_joule, polarisation_joule) = self.battery.loss_factors();
         Flows {
-            series_joule: self.battery.series_resistance_ohm,
-            polarisation_joule: self.battery.rc.conductance_s,
+            series_joule,
+            polarisation_joule,
             copper: self.winding.resistance_ohm,
             conversion: self.winding.back_emf - self.winding.effort_per_a,
             viscous: self.coast.viscous,
@@ -79,19 +84,17 @@ impl<L: Book> Powertrain<L> {
     #[inline(always)]
     pub(super) fn raw_flows(
         &self,
-        state: &PowertrainState<L>,
+        state: &PowertrainState<L, B::State>,
         road: &Road,
         start: &Start,
         solution: &Solution,
         open_circuit_v: Real,
-        rc_increment_v: Real,
+        losses: Losses,
     ) -> Flows {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
         let (di, dv) = (solution.current_increment_a, solution.motion.increment_m_s);
         let (battery_a, battery_v) = (solution.battery_a, solution.battery_v);
         let way = v.abs();
-        let rc = &self.battery.rc;
-        let rc_v = state.battery.rc.voltage_v.get();
         let electrochemical = open_circuit_v * battery_a;
         let loads = &start.loads;
         let (mut converter, mut auxiliary) = (0.0, 0.0);
@@ -101,8 +104,8 @@ impl<L: Book> Powertrain<L> {
         }
         Flows {
             electrochemical,
-            series_joule: battery_a * battery_a,
-            polarisation_joule: rc_v * rc_v,
+            series_joule: losses.series,
+            polarisation_joule: losses.polarisation,
             converter,
             auxiliary,
             copper: i * i,
@@ -116,7 +119,7 @@ impl<L: Book> Powertrain<L> {
             potential: road.grade.sin * v,
             numerical: self.winding.inductance_per_h_ohm * di * di
                 + self.coast.inertia_per_h * dv * dv
-                + rc.capacitance_per_h_s * rc_increment_v * rc_increment_v,
+                + losses.numerical,
             throughput: electrochemical.abs(),
         }
     }
@@ -125,7 +128,7 @@ impl<L: Book> Powertrain<L> {
     #[inline(always)]
     pub(super) fn rejected(
         &self,
-        state: &PowertrainState<L>,
+        state: &PowertrainState<L, B::State>,
         open_circuit_v: Real,
     ) -> PowertrainOutput {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
@@ -143,10 +146,11 @@ impl<L: Book> Powertrain<L> {
             },
             speed_m_s: v,
             distance_m: state.body.distance_m.get(),
-            soc: state.battery.soc.get(),
+            soc: B::soc(&state.battery),
             battery_a: 0.0,
             battery_v: state.battery_v,
             open_circuit_v,
+            battery_outside_identified: B::is_outside(&state.battery),
             motor_a: i,
             motor_nm: self.torque_nm_per_a * i,
             motor_rad_s: self.motor_rad_per_m * v,

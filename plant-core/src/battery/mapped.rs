@@ -1,0 +1,456 @@
+//! A battery whose resistances depend on state of charge and temperature, with two RC branches,
+//! hysteresis and a thermal node.
+
+use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, temperature};
+use super::pack::{Losses, Pack};
+use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
+use crate::error::{ParamError, check, ratio};
+use crate::model::{Dt, impl_model};
+use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, min, sane, sign};
+use crate::port::Source;
+
+/// A battery with parameters over state of charge and temperature, discretised for one step.
+///
+/// With discharge current positive, `s` the state of charge and `T` the temperature:
+/// `V = OCV(s) + M·h − R0(s, T)·I − v1 − v2`, `τk·dvk/dt = Rk(s, T)·I − vk` (Chen and Rincón-Mora
+/// 2006, eq. 1 and fig. 2, with resistances over the temperature). The open-circuit voltage and
+/// the hysteresis are taken at the old state, the rest implicitly, so within one step the battery
+/// is a [`Source`].
+///
+/// Resistances and temperature change slowly: every [`refresh_s`](MappedBatteryParams::refresh_s)
+/// they follow, in between a step costs little more than that of [`Battery`](super::Battery).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MappedBattery {
+    params: MappedBatteryParams,
+    gains: [Real; 2],
+    soc_per_a: Real,
+    a_per_soc: Real,
+    capacity_c: Real,
+    dt_s: Real,
+    refresh_steps: u32,
+    /// K per J of heat over one refresh, and the share of the way to the surroundings.
+    warming_k_per_j: Real,
+    cooling_gain: Real,
+}
+
+/// The resistances at an operating point \[Ω\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Resistances {
+    /// In series.
+    pub series_ohm: Real,
+    /// Of the RC branches, the faster first.
+    pub polarisation_ohm: [Real; 2],
+}
+
+/// The state of a [`MappedBattery`]; [`MappedBattery::rested`] makes one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MappedBatteryState {
+    /// State of charge, 0..1.
+    pub soc: Accum,
+    /// Voltage across the RC branches, positive when discharging \[V\].
+    pub polarisation_v: [Accum; 2],
+    /// Where between the curves of discharge (−1) and charge (1) the open-circuit voltage lies.
+    pub hysteresis: Accum,
+    /// Temperature \[°C\]; may be set between steps where it is measured.
+    pub temperature_c: Accum,
+    /// Temperature of the surroundings \[°C\]; may be set between steps.
+    pub ambient_c: Real,
+    /// Heat since the last refresh \[J\].
+    heat_j: Real,
+    /// The resistances since then.
+    now: Resistances,
+    /// The part of the battery that acts as a resistance within one step \[Ω\].
+    source_ohm: Real,
+    steps_left: u32,
+    outside: bool,
+}
+
+/// The current imposed on a [`MappedBattery`] that steps on its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MappedBatteryInput {
+    /// Current \[A\], positive when discharging.
+    pub current_a: Real,
+}
+
+/// What one step of a [`MappedBattery`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
+pub struct MappedBatteryOutput {
+    /// State of charge, 0..1.
+    pub soc: Real,
+    /// Voltage at the terminals \[V\].
+    pub terminal_v: Real,
+    /// Open-circuit voltage over the step, without hysteresis \[V\].
+    pub open_circuit_v: Real,
+    /// The current that flowed \[A\], positive when discharging.
+    pub current_a: Real,
+    /// Charge of this step that the limits or the state of charge refused \[C\]; positive where
+    /// discharge was refused, negative where charge was.
+    pub refused_charge_c: Real,
+    /// Heat, `(OCV − V)·I` \[W\]; it includes what the RC branches store for a while.
+    pub heat_w: Real,
+    /// Temperature \[°C\].
+    pub temperature_c: Real,
+    /// Nothing is left to discharge.
+    pub depleted: bool,
+    /// Nothing more can be charged.
+    pub full: bool,
+    /// State of charge or temperature lie outside what the parameters were identified for: those
+    /// of the nearest end hold.
+    pub outside_identified: bool,
+    /// The input was not finite or absurd; the state is unchanged.
+    pub rejected: bool,
+}
+
+impl MappedBattery {
+    /// Checks `params` and discretises them for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(params: MappedBatteryParams, dt: Dt) -> Result<Self, ParamError> {
+        let params = check!(params.checked());
+        let capacity_c = 3600.0 * params.capacity_ah;
+        let steps = params.refresh_s / dt.s();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "held in 1..2^31 first"
+        )]
+        let refresh_steps = clamp(steps + 0.5, 1.0, 2_147_483_648.0) as u32;
+        #[expect(clippy::cast_precision_loss, reason = "a length of time")]
+        let refresh_s = refresh_steps as Real * dt.s();
+        let capacity_j_per_k = params.thermal.heat_capacity_j_per_k;
+        let cooling_gain = lag_gain(refresh_s * params.thermal.cooling_w_per_k / capacity_j_per_k);
+        let mut limited = params;
+        // No limit still keeps absurd currents out.
+        limited.discharge_limit_a = min(params.discharge_limit_a, LARGEST);
+        limited.charge_limit_a = min(params.charge_limit_a, LARGEST);
+        Ok(Self {
+            params: limited,
+            gains: [
+                gain(dt, params.polarisation.time_constant_s),
+                gain(dt, params.second_polarisation.time_constant_s),
+            ],
+            soc_per_a: dt.s() / capacity_c,
+            a_per_soc: capacity_c / dt.s(),
+            capacity_c,
+            dt_s: dt.s(),
+            refresh_steps,
+            warming_k_per_j: (1.0 - cooling_gain) / capacity_j_per_k,
+            cooling_gain,
+        })
+    }
+
+    /// A rested battery at `soc` and at the temperature of its surroundings.
+    ///
+    /// # Errors
+    /// [`ParamError::NotARatio`] outside 0..1.
+    pub fn rested(&self, soc: Real) -> Result<MappedBatteryState, ParamError> {
+        self.rested_at(soc, self.params.thermal.ambient_c)
+    }
+
+    /// A rested battery at `soc` whose temperature and surroundings are at `temperature_c`.
+    ///
+    /// # Errors
+    /// [`ParamError::NotARatio`] for a state of charge outside 0..1,
+    /// [`ParamError::OutOfRange`] for a temperature outside −100..200 °C.
+    pub fn rested_at(
+        &self,
+        soc: Real,
+        temperature_c: Real,
+    ) -> Result<MappedBatteryState, ParamError> {
+        let soc = ratio("soc", soc)?;
+        let temperature_c = temperature("temperature_c", temperature_c)?;
+        let mut state = MappedBatteryState {
+            soc: Accum::new(soc),
+            polarisation_v: [Accum::new(0.0); 2],
+            hysteresis: Accum::new(0.0),
+            temperature_c: Accum::new(temperature_c),
+            ambient_c: temperature_c,
+            heat_j: 0.0,
+            now: Resistances::default(),
+            source_ohm: 0.0,
+            steps_left: self.refresh_steps,
+            outside: false,
+        };
+        self.follow(&mut state);
+        Ok(state)
+    }
+
+    /// Its parameters.
+    #[must_use]
+    pub const fn params(&self) -> &MappedBatteryParams {
+        &self.params
+    }
+
+    /// The resistances at a state of charge and a temperature; outside the identified range,
+    /// those of its nearest end.
+    #[must_use]
+    pub fn resistances(&self, soc: Real, temperature_c: Real) -> Resistances {
+        let range = &self.params.identified;
+        let soc = clamp(soc, range.soc_min, range.soc_max);
+        let celsius = range.nearest_c(temperature_c);
+        Resistances {
+            series_ohm: self.params.series.at(soc, celsius),
+            polarisation_ohm: [
+                self.params.polarisation.at(soc, celsius),
+                self.params.second_polarisation.at(soc, celsius),
+            ],
+        }
+    }
+
+    /// Sets a measured temperature \[°C\]: the resistances follow at once. One that is not finite
+    /// or absurd changes nothing.
+    pub fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) {
+        if (COLDEST_C..=HOTTEST_C).contains(&temperature_c) {
+            state.temperature_c = Accum::new(temperature_c);
+            self.follow(state);
+        }
+    }
+
+    /// What the terminals offer over the next step, and the open-circuit voltage in it \[V\].
+    #[inline]
+    #[must_use]
+    pub fn offer(&self, state: &MappedBatteryState) -> (Source, Real) {
+        let open_circuit_v = self.params.open_circuit.at(state.soc.get());
+        let [fast_v, slow_v] = state.polarisation_v;
+        let held_v = (fast_v.get() - self.gains[0] * fast_v.get())
+            + (slow_v.get() - self.gains[1] * slow_v.get());
+        let emf_v = open_circuit_v + self.hysteresis_v(state) - held_v;
+        (Source { emf_v, resistance_ohm: state.source_ohm }, open_circuit_v)
+    }
+
+    /// What hysteresis adds to the open-circuit voltage \[V\].
+    #[inline]
+    const fn hysteresis_v(&self, state: &MappedBatteryState) -> Real {
+        self.params.hysteresis.half_gap_v * state.hysteresis.get()
+    }
+
+    /// The currents that the battery allows over the next step.
+    #[inline]
+    #[must_use]
+    pub const fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
+        let soc = state.soc.get();
+        CurrentLimits {
+            discharge_a: min(self.params.discharge_limit_a, soc * self.a_per_soc),
+            charge_a: min(self.params.charge_limit_a, (1.0 - soc) * self.a_per_soc),
+        }
+    }
+
+    /// The state after one step under `current_a`, whatever the limits say.
+    #[inline]
+    #[must_use]
+    pub fn next(&self, state: &MappedBatteryState, current_a: Real) -> MappedBatteryState {
+        let mut next = *state;
+        let mut overpotential_v = state.now.series_ohm * current_a - self.hysteresis_v(state);
+        for ((voltage_v, gain), ohm) in
+            next.polarisation_v.iter_mut().zip(self.gains).zip(state.now.polarisation_ohm)
+        {
+            voltage_v.add(gain * (ohm * current_a - voltage_v.get()));
+            overpotential_v += voltage_v.get();
+        }
+        let soc_drop = current_a * self.soc_per_a;
+        next.soc.add(-soc_drop);
+        if self.params.hysteresis.half_gap_v > 0.0 {
+            let way = lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs());
+            next.hysteresis.add(way * (-sign(current_a) - next.hysteresis.get()));
+        }
+        next.heat_j += overpotential_v * current_a * self.dt_s;
+        next
+    }
+
+    /// Whether a step under `current_a` that leads to `next` keeps every limit.
+    #[inline]
+    #[must_use]
+    pub const fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
+        current_a <= self.params.discharge_limit_a
+            && current_a >= -self.params.charge_limit_a
+            && next.soc.get() >= 0.0
+            && next.soc.get() <= 1.0
+    }
+
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
+    #[inline]
+    pub fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
+        *state = self.next(state, current_a);
+        // Only the last bit can lie outside: the limits saw to the rest.
+        if state.soc.get() < 0.0 {
+            state.soc = Accum::new(0.0);
+        } else if state.soc.get() > 1.0 {
+            state.soc = Accum::new(1.0);
+        }
+    }
+
+    /// Counts a step; when it is time, temperature and resistances follow.
+    #[inline]
+    pub fn refresh(&self, state: &mut MappedBatteryState) {
+        state.steps_left -= u32::from(state.steps_left > 0);
+        if state.steps_left == 0 {
+            self.warm(state);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn warm(&self, state: &mut MappedBatteryState) {
+        let above_k = state.temperature_c.get() - state.ambient_c;
+        let increment_k = self.warming_k_per_j * state.heat_j - self.cooling_gain * above_k;
+        // Held where any battery has long burnt: the exponential stays finite.
+        let celsius = state.temperature_c.get() + increment_k;
+        if (COLDEST_C..=HOTTEST_C).contains(&celsius) {
+            state.temperature_c.add(increment_k);
+        } else {
+            state.temperature_c = Accum::new(clamp(celsius, COLDEST_C, HOTTEST_C));
+        }
+        state.heat_j = 0.0;
+        state.steps_left = self.refresh_steps;
+        self.follow(state);
+    }
+
+    /// Brings the resistances up to state of charge and temperature.
+    fn follow(&self, state: &mut MappedBatteryState) {
+        let (soc, celsius) = (state.soc.get(), state.temperature_c.get());
+        state.now = self.resistances(soc, celsius);
+        let [fast, slow] = state.now.polarisation_ohm;
+        state.source_ohm = state.now.series_ohm + self.gains[0] * fast + self.gains[1] * slow;
+        state.outside = !self.params.identified.holds(soc, celsius);
+    }
+
+    /// The open-circuit curve.
+    #[must_use]
+    pub const fn open_circuit(&self) -> &OpenCircuit {
+        &self.params.open_circuit
+    }
+
+    /// Advances by one step under an imposed current. What the limits or the state of charge do
+    /// not allow is refused and reported.
+    #[inline]
+    pub fn step(
+        &self,
+        state: &mut MappedBatteryState,
+        input: MappedBatteryInput,
+    ) -> MappedBatteryOutput {
+        let (source, open_circuit_v) = self.offer(state);
+        let limits = self.limits(state);
+        let mut wanted_a = input.current_a;
+        let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
+        let mut next = *state;
+        self.settle(&mut next, current_a);
+        let rejected = !(sane(wanted_a) && sane(Self::magnitude(&next)));
+        if rejected {
+            (wanted_a, current_a) = (0.0, 0.0);
+        } else {
+            *state = next;
+            self.refresh(state);
+        }
+        let terminal_v = source.voltage_v(current_a);
+        MappedBatteryOutput {
+            soc: state.soc.get(),
+            terminal_v,
+            open_circuit_v,
+            current_a,
+            refused_charge_c: (wanted_a - current_a) * self.soc_per_a * self.capacity_c,
+            heat_w: (open_circuit_v - terminal_v) * current_a,
+            temperature_c: state.temperature_c.get(),
+            depleted: state.soc.get() <= SOC_MARGIN,
+            full: state.soc.get() >= 1.0 - SOC_MARGIN,
+            outside_identified: state.outside,
+            rejected,
+        }
+    }
+}
+
+/// The gain of one implicit step of a lag; 1 where the quotient overflows.
+const fn gain(dt: Dt, time_constant_s: Real) -> Real {
+    let k = lag_gain(dt.s() / time_constant_s);
+    if k <= 1.0 { k } else { 1.0 }
+}
+
+impl_model!(MappedBattery, MappedBatteryState, MappedBatteryInput, MappedBatteryOutput);
+
+impl Pack for MappedBattery {
+    type State = MappedBatteryState;
+
+    fn rested(&self, soc: Real) -> Result<MappedBatteryState, ParamError> {
+        Self::rested(self, soc)
+    }
+
+    #[inline(always)]
+    fn soc(state: &MappedBatteryState) -> Real {
+        state.soc.get()
+    }
+
+    #[inline(always)]
+    fn magnitude(state: &MappedBatteryState) -> Real {
+        let [fast_v, slow_v] = state.polarisation_v;
+        fast_v.get().abs() + slow_v.get().abs() + state.heat_j.abs()
+    }
+
+    #[inline(always)]
+    fn offer(&self, state: &MappedBatteryState) -> (Source, Real) {
+        Self::offer(self, state)
+    }
+
+    #[inline(always)]
+    fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
+        Self::limits(self, state)
+    }
+
+    #[inline(always)]
+    fn next(&self, state: &MappedBatteryState, current_a: Real) -> MappedBatteryState {
+        Self::next(self, state, current_a)
+    }
+
+    #[inline(always)]
+    fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
+        Self::allows(self, current_a, next)
+    }
+
+    #[inline(always)]
+    fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
+        Self::settle(self, state, current_a);
+    }
+
+    /// The branches take `v·I`, whether they store it for a while or not; so does hysteresis.
+    #[inline(always)]
+    fn losses(
+        &self,
+        before: &MappedBatteryState,
+        after: &MappedBatteryState,
+        current_a: Real,
+    ) -> Losses {
+        let [fast_v, slow_v] = after.polarisation_v;
+        Losses {
+            series: before.now.series_ohm * current_a * current_a,
+            polarisation: (fast_v.get() + slow_v.get() - self.hysteresis_v(before)) * current_a,
+            numerical: 0.0,
+        }
+    }
+
+    #[inline(always)]
+    fn loss_factors(&self) -> (Real, Real) {
+        (1.0, 1.0)
+    }
+
+    fn capacitive_j(&self, _state: &MappedBatteryState) -> Real {
+        0.0
+    }
+
+    fn discharged_energy_j(&self, from: &MappedBatteryState, to: &MappedBatteryState) -> Real {
+        let mean_v = self.params.open_circuit.mean(from.soc.get(), to.soc.get());
+        self.capacity_c * mean_v * from.soc.since(to.soc)
+    }
+
+    #[inline(always)]
+    fn refresh(&self, state: &mut MappedBatteryState) {
+        Self::refresh(self, state);
+    }
+
+    #[inline(always)]
+    fn is_outside(state: &MappedBatteryState) -> bool {
+        state.outside
+    }
+}

@@ -1,0 +1,131 @@
+//! What the coupled plant asks of a battery, whichever model it is.
+
+use super::{Battery, BatteryState, CurrentLimits};
+use crate::error::ParamError;
+use crate::num::Real;
+use crate::port::Source;
+
+/// What one step turns into heat, without the factors of [`Pack::loss_factors`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Losses {
+    /// In the series resistance.
+    pub series: Real,
+    /// In the polarisation.
+    pub polarisation: Real,
+    /// Twice what the implicit step dissipates.
+    pub numerical: Real,
+}
+
+/// A battery that can sit in the coupled plant: within one step it is a [`Source`].
+pub trait Pack: Copy {
+    /// What it remembers.
+    type State: Copy;
+
+    /// A rested battery at `soc`, in its usual surroundings.
+    ///
+    /// # Errors
+    /// [`ParamError::NotARatio`] outside 0..1.
+    fn rested(&self, soc: Real) -> Result<Self::State, ParamError>;
+    /// State of charge, 0..1.
+    fn soc(state: &Self::State) -> Real;
+    /// The sum of the magnitudes of what else a step changes: not sane where an input was not.
+    fn magnitude(state: &Self::State) -> Real;
+    /// What the terminals offer over the next step, and the open-circuit voltage in it \[V\].
+    fn offer(&self, state: &Self::State) -> (Source, Real);
+    /// The currents that the battery allows over the next step.
+    fn limits(&self, state: &Self::State) -> CurrentLimits;
+    /// The state after one step under `current_a`, whatever the limits say.
+    fn next(&self, state: &Self::State, current_a: Real) -> Self::State;
+    /// Whether a step under `current_a` that leads to `next` keeps every limit.
+    fn allows(&self, current_a: Real, next: &Self::State) -> bool;
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
+    fn settle(&self, state: &mut Self::State, current_a: Real);
+    /// What one step from `before` to `after` turned into heat.
+    fn losses(&self, before: &Self::State, after: &Self::State, current_a: Real) -> Losses;
+    /// What the series and the polarisation losses are to be multiplied by.
+    fn loss_factors(&self) -> (Real, Real);
+    /// Energy in the capacitance \[J\].
+    fn capacitive_j(&self, state: &Self::State) -> Real;
+    /// The drop of the electrochemical energy between two states \[J\].
+    fn discharged_energy_j(&self, from: &Self::State, to: &Self::State) -> Real;
+    /// Lets slow parameters follow, after a step.
+    fn refresh(&self, state: &mut Self::State);
+    /// Whether state of charge or temperature lie outside what the parameters were identified for.
+    fn is_outside(state: &Self::State) -> bool;
+}
+
+impl Pack for Battery {
+    type State = BatteryState;
+
+    fn rested(&self, soc: Real) -> Result<BatteryState, ParamError> {
+        BatteryState::rested(soc)
+    }
+
+    #[inline(always)]
+    fn soc(state: &BatteryState) -> Real {
+        state.soc.get()
+    }
+
+    #[inline(always)]
+    fn magnitude(state: &BatteryState) -> Real {
+        state.rc.voltage_v.get().abs()
+    }
+
+    #[inline(always)]
+    fn offer(&self, state: &BatteryState) -> (Source, Real) {
+        Self::offer(self, state)
+    }
+
+    #[inline(always)]
+    fn limits(&self, state: &BatteryState) -> CurrentLimits {
+        Self::limits(self, state)
+    }
+
+    #[inline(always)]
+    fn next(&self, state: &BatteryState, current_a: Real) -> BatteryState {
+        Self::next(self, state, current_a)
+    }
+
+    #[inline(always)]
+    fn allows(&self, current_a: Real, next: &BatteryState) -> bool {
+        Self::allows(self, current_a, next)
+    }
+
+    #[inline(always)]
+    fn settle(&self, state: &mut BatteryState, current_a: Real) {
+        Self::settle(self, state, current_a);
+    }
+
+    #[inline(always)]
+    fn losses(&self, before: &BatteryState, after: &BatteryState, current_a: Real) -> Losses {
+        let rc_v = after.rc.voltage_v.get();
+        let increment_v = rc_v - before.rc.voltage_v.get();
+        Losses {
+            series: current_a * current_a,
+            polarisation: rc_v * rc_v,
+            numerical: self.rc.capacitance_per_h_s * increment_v * increment_v,
+        }
+    }
+
+    #[inline(always)]
+    fn loss_factors(&self) -> (Real, Real) {
+        (self.series_resistance_ohm, self.rc.conductance_s)
+    }
+
+    fn capacitive_j(&self, state: &BatteryState) -> Real {
+        let rc_v = state.rc.voltage_v.get();
+        0.5 * self.rc.capacitance_f * rc_v * rc_v
+    }
+
+    fn discharged_energy_j(&self, from: &BatteryState, to: &BatteryState) -> Real {
+        Self::discharged_energy_j(self, from, to)
+    }
+
+    #[inline(always)]
+    fn refresh(&self, _state: &mut BatteryState) {}
+
+    #[inline(always)]
+    fn is_outside(_state: &BatteryState) -> bool {
+        false
+    }
+}
