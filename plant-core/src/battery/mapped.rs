@@ -2,7 +2,6 @@
 //! hysteresis and a thermal node.
 
 use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, temperature};
-use super::pack::{Losses, Pack};
 use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
 use crate::error::{ParamError, check, ratio};
 use crate::model::{Dt, impl_model};
@@ -21,11 +20,11 @@ use crate::port::Source;
 /// they follow, in between a step costs little more than that of [`Battery`](super::Battery).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedBattery {
-    params: MappedBatteryParams,
+    pub(super) params: MappedBatteryParams,
     gains: [Real; 2],
     soc_per_a: Real,
     a_per_soc: Real,
-    capacity_c: Real,
+    pub(super) capacity_c: Real,
     dt_s: Real,
     refresh_steps: u32,
     /// K per J of heat over one refresh, and the share of the way to the surroundings.
@@ -60,11 +59,20 @@ pub struct MappedBatteryState {
     /// Heat since the last refresh \[J\].
     heat_j: Real,
     /// The resistances since then.
-    now: Resistances,
+    pub(super) now: Resistances,
     /// The part of the battery that acts as a resistance within one step \[Ω\].
     source_ohm: Real,
     steps_left: u32,
-    outside: bool,
+    pub(super) outside: bool,
+}
+
+impl MappedBatteryState {
+    /// The sum of the magnitudes of what a step changes beside the state of charge.
+    #[inline]
+    pub(super) const fn magnitude(&self) -> Real {
+        let [fast_v, slow_v] = &self.polarisation_v;
+        fast_v.get().abs() + slow_v.get().abs() + self.heat_j.abs()
+    }
 }
 
 /// The current imposed on a [`MappedBattery`] that steps on its own.
@@ -123,7 +131,7 @@ impl MappedBattery {
         #[expect(clippy::cast_precision_loss, reason = "a length of time")]
         let refresh_s = refresh_steps as Real * dt.s();
         let capacity_j_per_k = params.thermal.heat_capacity_j_per_k;
-        let cooling_gain = lag_gain(refresh_s * params.thermal.cooling_w_per_k / capacity_j_per_k);
+        let cooling_gain = gain(refresh_s / capacity_j_per_k * params.thermal.cooling_w_per_k);
         let mut limited = params;
         // No limit still keeps absurd currents out.
         limited.discharge_limit_a = min(params.discharge_limit_a, LARGEST);
@@ -131,8 +139,8 @@ impl MappedBattery {
         Ok(Self {
             params: limited,
             gains: [
-                gain(dt, params.polarisation.time_constant_s),
-                gain(dt, params.second_polarisation.time_constant_s),
+                gain(dt.s() / params.polarisation.time_constant_s),
+                gain(dt.s() / params.second_polarisation.time_constant_s),
             ],
             soc_per_a: dt.s() / capacity_c,
             a_per_soc: capacity_c / dt.s(),
@@ -225,7 +233,7 @@ impl MappedBattery {
 
     /// What hysteresis adds to the open-circuit voltage \[V\].
     #[inline]
-    const fn hysteresis_v(&self, state: &MappedBatteryState) -> Real {
+    pub(super) const fn hysteresis_v(&self, state: &MappedBatteryState) -> Real {
         self.params.hysteresis.half_gap_v * state.hysteresis.get()
     }
 
@@ -339,7 +347,7 @@ impl MappedBattery {
         let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
         let mut next = *state;
         self.settle(&mut next, current_a);
-        let rejected = !(sane(wanted_a) && sane(Self::magnitude(&next)));
+        let rejected = !(sane(wanted_a) && sane(next.magnitude()));
         if rejected {
             (wanted_a, current_a) = (0.0, 0.0);
         } else {
@@ -363,94 +371,13 @@ impl MappedBattery {
     }
 }
 
-/// The gain of one implicit step of a lag; 1 where the quotient overflows.
-const fn gain(dt: Dt, time_constant_s: Real) -> Real {
-    let k = lag_gain(dt.s() / time_constant_s);
+/// The gain of an implicit lag; 1 where the quotient overflows.
+const fn gain(steps: Real) -> Real {
+    let k = lag_gain(steps);
     if k <= 1.0 { k } else { 1.0 }
 }
 
 impl_model!(MappedBattery, MappedBatteryState, MappedBatteryInput, MappedBatteryOutput);
 
-impl Pack for MappedBattery {
-    type State = MappedBatteryState;
-
-    fn rested(&self, soc: Real) -> Result<MappedBatteryState, ParamError> {
-        Self::rested(self, soc)
-    }
-
-    #[inline(always)]
-    fn soc(state: &MappedBatteryState) -> Real {
-        state.soc.get()
-    }
-
-    #[inline(always)]
-    fn magnitude(state: &MappedBatteryState) -> Real {
-        let [fast_v, slow_v] = state.polarisation_v;
-        fast_v.get().abs() + slow_v.get().abs() + state.heat_j.abs()
-    }
-
-    #[inline(always)]
-    fn offer(&self, state: &MappedBatteryState) -> (Source, Real) {
-        Self::offer(self, state)
-    }
-
-    #[inline(always)]
-    fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
-        Self::limits(self, state)
-    }
-
-    #[inline(always)]
-    fn next(&self, state: &MappedBatteryState, current_a: Real) -> MappedBatteryState {
-        Self::next(self, state, current_a)
-    }
-
-    #[inline(always)]
-    fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
-        Self::allows(self, current_a, next)
-    }
-
-    #[inline(always)]
-    fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
-        Self::settle(self, state, current_a);
-    }
-
-    /// The branches take `v·I`, whether they store it for a while or not; so does hysteresis.
-    #[inline(always)]
-    fn losses(
-        &self,
-        before: &MappedBatteryState,
-        after: &MappedBatteryState,
-        current_a: Real,
-    ) -> Losses {
-        let [fast_v, slow_v] = after.polarisation_v;
-        Losses {
-            series: before.now.series_ohm * current_a * current_a,
-            polarisation: (fast_v.get() + slow_v.get() - self.hysteresis_v(before)) * current_a,
-            numerical: 0.0,
-        }
-    }
-
-    #[inline(always)]
-    fn loss_factors(&self) -> (Real, Real) {
-        (1.0, 1.0)
-    }
-
-    fn capacitive_j(&self, _state: &MappedBatteryState) -> Real {
-        0.0
-    }
-
-    fn discharged_energy_j(&self, from: &MappedBatteryState, to: &MappedBatteryState) -> Real {
-        let mean_v = self.params.open_circuit.mean(from.soc.get(), to.soc.get());
-        self.capacity_c * mean_v * from.soc.since(to.soc)
-    }
-
-    #[inline(always)]
-    fn refresh(&self, state: &mut MappedBatteryState) {
-        Self::refresh(self, state);
-    }
-
-    #[inline(always)]
-    fn is_outside(state: &MappedBatteryState) -> bool {
-        state.outside
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 //! What the coupled plant asks of a battery, whichever model it is.
 
-use super::{Battery, BatteryState, CurrentLimits};
+use super::{Battery, BatteryState, CurrentLimits, MappedBattery, MappedBatteryState};
 use crate::error::ParamError;
 use crate::num::Real;
 use crate::port::Source;
@@ -127,5 +127,88 @@ impl Pack for Battery {
     #[inline(always)]
     fn is_outside(_state: &BatteryState) -> bool {
         false
+    }
+}
+
+impl Pack for MappedBattery {
+    type State = MappedBatteryState;
+
+    fn rested(&self, soc: Real) -> Result<MappedBatteryState, ParamError> {
+        Self::rested(self, soc)
+    }
+
+    #[inline(always)]
+    fn soc(state: &MappedBatteryState) -> Real {
+        state.soc.get()
+    }
+
+    #[inline(always)]
+    fn magnitude(state: &MappedBatteryState) -> Real {
+        state.magnitude()
+    }
+
+    #[inline(always)]
+    fn offer(&self, state: &MappedBatteryState) -> (Source, Real) {
+        Self::offer(self, state)
+    }
+
+    #[inline(always)]
+    fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
+        Self::limits(self, state)
+    }
+
+    #[inline(always)]
+    fn next(&self, state: &MappedBatteryState, current_a: Real) -> MappedBatteryState {
+        Self::next(self, state, current_a)
+    }
+
+    #[inline(always)]
+    fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
+        Self::allows(self, current_a, next)
+    }
+
+    #[inline(always)]
+    fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
+        Self::settle(self, state, current_a);
+    }
+
+    /// The branches take `v·I`, whether they store it for a while or not; so does hysteresis.
+    #[inline(always)]
+    fn losses(
+        &self,
+        before: &MappedBatteryState,
+        after: &MappedBatteryState,
+        current_a: Real,
+    ) -> Losses {
+        let [fast_v, slow_v] = after.polarisation_v;
+        Losses {
+            series: before.now.series_ohm * current_a * current_a,
+            polarisation: (fast_v.get() + slow_v.get() - self.hysteresis_v(before)) * current_a,
+            numerical: 0.0,
+        }
+    }
+
+    #[inline(always)]
+    fn loss_factors(&self) -> (Real, Real) {
+        (1.0, 1.0)
+    }
+
+    fn capacitive_j(&self, _state: &MappedBatteryState) -> Real {
+        0.0
+    }
+
+    fn discharged_energy_j(&self, from: &MappedBatteryState, to: &MappedBatteryState) -> Real {
+        let mean_v = self.params.open_circuit.mean(from.soc.get(), to.soc.get());
+        self.capacity_c * mean_v * from.soc.since(to.soc)
+    }
+
+    #[inline(always)]
+    fn refresh(&self, state: &mut MappedBatteryState) {
+        Self::refresh(self, state);
+    }
+
+    #[inline(always)]
+    fn is_outside(state: &MappedBatteryState) -> bool {
+        state.outside
     }
 }

@@ -1,0 +1,384 @@
+extern crate std;
+use super::*;
+use crate::battery::{
+    Battery, BatteryInput, BatteryParams, BatteryState, BranchMap, HysteresisParams,
+    IdentifiedRange, OverSoc, Pack, RcBranchParams, ResistanceMap, ThermalParams,
+};
+use crate::num::SocTable;
+
+const PLAIN: BatteryParams = BatteryParams {
+    open_circuit: OpenCircuit::Linear { empty_v: 3.0, full_v: 4.2 },
+    capacity_ah: 3.0,
+    series_resistance_ohm: 0.03,
+    polarisation: RcBranchParams { resistance_ohm: 0.02, capacitance_f: 500.0 },
+    discharge_limit_a: 10.0,
+    charge_limit_a: 3.0,
+};
+
+/// The same battery, as a map.
+const SAME: MappedBatteryParams = MappedBatteryParams {
+    capacity_ah: 3.0,
+    discharge_limit_a: 10.0,
+    charge_limit_a: 3.0,
+    refresh_s: 1.0,
+    open_circuit: PLAIN.open_circuit,
+    hysteresis: HysteresisParams::NONE,
+    series: ResistanceMap { resistance_ohm: OverSoc::Constant(0.03), activation_k: 0.0 },
+    polarisation: BranchMap {
+        resistance_ohm: OverSoc::Constant(0.02),
+        activation_k: 0.0,
+        time_constant_s: 10.0,
+    },
+    second_polarisation: BranchMap::NONE,
+    thermal: ThermalParams::FIXED,
+    identified: IdentifiedRange::ALL,
+};
+
+fn dt(seconds: Real) -> Dt {
+    Dt::from_s(seconds).unwrap()
+}
+
+fn mapped(params: MappedBatteryParams, dt_s: Real) -> MappedBattery {
+    MappedBattery::new(params, dt(dt_s)).unwrap()
+}
+
+fn load(current_a: Real) -> MappedBatteryInput {
+    MappedBatteryInput { current_a }
+}
+
+#[test]
+fn a_map_of_constants_is_the_constant_battery() {
+    let (plain, map) = (Battery::new(PLAIN, dt(0.1)).unwrap(), mapped(SAME, 0.1));
+    let (mut p, mut m) = (BatteryState::rested(0.9).unwrap(), map.rested(0.9).unwrap());
+    for i in 0..30_000_u32 {
+        // Includes what the limits refuse, both ways.
+        let current_a = [2.0, -1.0, 12.0, 0.0, -4.0, 3.0][(i / 500) as usize % 6];
+        let a = plain.step(&mut p, BatteryInput { current_a });
+        let b = map.step(&mut m, load(current_a));
+        assert!((a.terminal_v - b.terminal_v).abs() < 2e-6, "{i}: {a:?} {b:?}");
+        assert_eq!((a.soc, a.current_a), (b.soc, b.current_a));
+        assert_eq!(a.refused_charge_c, b.refused_charge_c);
+        assert!((plain.limits(&p).discharge_a - map.limits(&m).discharge_a).abs() < 1e-6);
+    }
+    assert!(p.soc.get() < 0.5);
+    let (from, to) = (map.rested(0.9).unwrap(), m);
+    let ours = Pack::discharged_energy_j(&map, &from, &to);
+    let theirs = plain.discharged_energy_j(&BatteryState::rested(0.9).unwrap(), &p);
+    assert!((ours / theirs - 1.0).abs() < 1e-6, "{ours} {theirs}");
+}
+
+#[test]
+fn resistances_follow_charge_and_temperature_and_hold_outside() {
+    let table = SocTable::from_points("t", &[(0.0, 0.06), (1.0, 0.02)]).unwrap();
+    let params = MappedBatteryParams {
+        series: ResistanceMap { resistance_ohm: OverSoc::Table(table), activation_k: 3000.0 },
+        identified: IdentifiedRange {
+            soc_min: 0.25,
+            soc_max: 0.75,
+            temperature_min_c: 0.0,
+            temperature_max_c: 40.0,
+        },
+        ..SAME
+    };
+    let map = mapped(params, 0.1);
+    let at = |soc, celsius| map.resistances(soc, celsius).series_ohm;
+    assert!((at(0.5, 25.0) - 0.04).abs() < 1e-7);
+    // exp(3000·(1/273.15 − 1/298.15))
+    assert!((at(0.5, 0.0) / 0.04 - 2.511_4).abs() < 1e-3, "{}", at(0.5, 0.0));
+    assert!(at(0.5, 40.0) < 0.04);
+    assert_eq!((at(0.5, -20.0), at(0.5, 60.0)), (at(0.5, 0.0), at(0.5, 40.0)));
+    assert_eq!((at(0.1, 25.0), at(0.9, 25.0)), (at(0.25, 25.0), at(0.75, 25.0)));
+    assert_eq!(map.resistances(0.5, 0.0).polarisation_ohm, [0.02, 0.0]);
+
+    for (soc, celsius, outside) in [
+        (0.5, 25.0, false),
+        (0.1, 25.0, true),
+        (0.9, 25.0, true),
+        (0.5, -1.0, true),
+        (0.5, 41.0, true),
+    ] {
+        let mut s = map.rested_at(soc, celsius).unwrap();
+        assert_eq!(map.step(&mut s, load(1.0)).outside_identified, outside, "{soc} {celsius}");
+    }
+}
+
+#[test]
+fn both_branches_follow_their_exponentials() {
+    let params = MappedBatteryParams {
+        second_polarisation: BranchMap {
+            resistance_ohm: OverSoc::Constant(0.05),
+            activation_k: 0.0,
+            time_constant_s: 200.0,
+        },
+        ..SAME
+    };
+    let map = mapped(params, 0.1);
+    let mut s = map.rested(0.9).unwrap();
+    for _ in 0..1000 {
+        map.step(&mut s, load(2.0));
+    }
+    let [fast, slow] = s.polarisation_v.map(Accum::get);
+    assert!((fast - 0.04).abs() < 1e-5, "{fast}");
+    let exact = 0.1 * (1.0 - Real::from(-0.5_f32).exp());
+    assert!((slow / exact - 1.0).abs() < 1e-3, "{slow} {exact}");
+    // Both show at the terminals.
+    let out = map.step(&mut s, load(2.0));
+    let wanted = out.open_circuit_v - 2.0 * 0.03 - fast - slow;
+    assert!((out.terminal_v - wanted).abs() < 1e-4, "{out:?}");
+    assert!((out.heat_w - 2.0 * (out.open_circuit_v - out.terminal_v)).abs() < 1e-6);
+}
+
+const NODE: ThermalParams =
+    ThermalParams { heat_capacity_j_per_k: 50.0, cooling_w_per_k: 0.1, ambient_c: 20.0 };
+
+#[test]
+fn warms_to_its_steady_state_and_cools_to_its_surroundings() {
+    for dt_s in [0.01, 1.0] {
+        let map = mapped(
+            MappedBatteryParams { thermal: NODE, capacity_ah: 300.0, charge_limit_a: 10.0, ..SAME },
+            dt_s,
+        );
+        let mut s = map.rested(0.5).unwrap();
+        let steps = (5000.0 / dt_s) as u32;
+        let mut heat_w = 0.0;
+        for _ in 0..steps {
+            heat_w = map.step(&mut s, load(5.0)).heat_w;
+        }
+        // 25 A² · 50 mΩ over 0.1 W/K, ten time constants later.
+        assert!((heat_w - 1.25).abs() < 1e-3);
+        assert!((s.temperature_c.get() - 32.5).abs() < 0.02, "{}", s.temperature_c.get());
+        s.ambient_c = 0.0;
+        for _ in 0..steps {
+            map.step(&mut s, load(0.0));
+        }
+        assert!(s.temperature_c.get().abs() < 0.02, "{}", s.temperature_c.get());
+    }
+}
+
+#[test]
+fn all_heat_enters_the_node() {
+    let thermal = ThermalParams { cooling_w_per_k: 0.0, ..NODE };
+    let map = mapped(MappedBatteryParams { thermal, ..SAME }, 0.1);
+    let mut s = map.rested(0.5).unwrap();
+    let mut heat_j = 0.0;
+    for i in 0..6000_u32 {
+        let out = map.step(&mut s, load(if i < 3000 { 6.0 } else { -2.0 }));
+        heat_j += f64::from(out.heat_w) * 0.1;
+    }
+    let risen = f64::from(s.temperature_c.get()) - 20.0;
+    assert!((risen * 50.0 / heat_j - 1.0).abs() < 1e-4, "{risen} {heat_j}");
+}
+
+#[test]
+fn a_warm_battery_resists_less_only_after_a_refresh() {
+    let series = ResistanceMap { resistance_ohm: OverSoc::Constant(0.03), activation_k: 3000.0 };
+    let map = mapped(MappedBatteryParams { series, ..SAME }, 0.1);
+    let mut s = map.rested_at(0.5, 10.0).unwrap();
+    let cold = map.offer(&s).0.resistance_ohm;
+    s.temperature_c = Accum::new(30.0);
+    for _ in 0..9 {
+        map.step(&mut s, load(0.0));
+        assert_eq!(map.offer(&s).0.resistance_ohm, cold);
+    }
+    map.step(&mut s, load(0.0));
+    assert!(map.offer(&s).0.resistance_ohm < 0.6 * cold);
+    // A measured temperature counts at once; an absurd one not at all.
+    map.set_temperature(&mut s, 10.0);
+    assert_eq!(map.offer(&s).0.resistance_ohm, cold);
+    let before = s;
+    for bad in [Real::NAN, 300.0, -150.0] {
+        map.set_temperature(&mut s, bad);
+        assert_eq!(s, before);
+    }
+}
+
+#[test]
+fn hysteresis_stays_between_its_curves_and_moves_with_charge() {
+    let hysteresis = HysteresisParams { half_gap_v: 0.05, rate_per_soc: 100.0 };
+    let map = mapped(MappedBatteryParams { hysteresis, ..SAME }, 1.0);
+    let mut s = map.rested(0.9).unwrap();
+    let emf = |s: &MappedBatteryState| map.offer(s).0.emf_v - map.offer(s).1;
+    for _ in 0..400 {
+        map.step(&mut s, load(3.0));
+    }
+    // 11 % of the charge and 11 rates later.
+    assert!((s.hysteresis.get() + 1.0).abs() < 1e-3, "{}", s.hysteresis.get());
+    for _ in 0..200 {
+        map.step(&mut s, load(0.0));
+    }
+    assert!((emf(&s) + 0.05).abs() < 1e-4, "{}", emf(&s));
+    // 1 % of charge back: exp(−1) of the way is left.
+    for _ in 0..36 {
+        map.step(&mut s, load(-3.0));
+    }
+    let exact = 1.0 - 2.0 * Real::from(-1.0_f32).exp();
+    assert!((s.hysteresis.get() - exact).abs() < 0.02, "{} {exact}", s.hysteresis.get());
+}
+
+#[test]
+fn bad_input_changes_nothing() {
+    let map = mapped(SAME, 1.0);
+    let mut s = map.rested(0.5).unwrap();
+    let before = s;
+    for bad in [Real::NAN, Real::INFINITY, -1e38] {
+        let out = map.step(&mut s, load(bad));
+        assert!(out.rejected && out.terminal_v.is_finite() && s == before);
+    }
+    assert_eq!(map.rested(1.5), Err(ParamError::NotARatio("soc")));
+    assert_eq!(map.rested_at(0.5, 1e3), Err(ParamError::OutOfRange("temperature_c")));
+}
+
+#[test]
+fn stays_finite_however_hot_it_is_made() {
+    let thermal = ThermalParams { heat_capacity_j_per_k: 1e-6, ..NODE };
+    let series = ResistanceMap { resistance_ohm: OverSoc::Constant(0.03), activation_k: 9000.0 };
+    let map = mapped(MappedBatteryParams { thermal, series, ..SAME }, 1.0);
+    let mut s = map.rested(0.9).unwrap();
+    for i in 0..500_u32 {
+        let out = map.step(&mut s, load(if i % 7 == 0 { -3.0 } else { 10.0 }));
+        assert!((-100.0..=200.0).contains(&out.temperature_c) && out.terminal_v.is_finite());
+    }
+}
+
+#[test]
+fn refuses_each_bad_field_by_name() {
+    let refused = |params| MappedBattery::new(params, dt(0.1)).unwrap_err();
+    let nan = Real::NAN;
+    let branch = |resistance, activation_k, time_constant_s| BranchMap {
+        resistance_ohm: OverSoc::Constant(resistance),
+        activation_k,
+        time_constant_s,
+    };
+    let series = |resistance, activation_k| ResistanceMap {
+        resistance_ohm: OverSoc::Constant(resistance),
+        activation_k,
+    };
+    let falling = SocTable::from_points("t", &[(0.0, 0.1), (1.0, -0.1)]).unwrap();
+    let range = |soc_min, soc_max, temperature_min_c, temperature_max_c| IdentifiedRange {
+        soc_min,
+        soc_max,
+        temperature_min_c,
+        temperature_max_c,
+    };
+    for (params, error) in [
+        (
+            MappedBatteryParams { capacity_ah: 0.0, ..SAME },
+            ParamError::NotPositive("battery.capacity_ah"),
+        ),
+        (
+            MappedBatteryParams { discharge_limit_a: nan, ..SAME },
+            ParamError::NotALimit("battery.discharge_limit_a"),
+        ),
+        (
+            MappedBatteryParams { charge_limit_a: 0.0, ..SAME },
+            ParamError::NotALimit("battery.charge_limit_a"),
+        ),
+        (
+            MappedBatteryParams { refresh_s: 0.0, ..SAME },
+            ParamError::NotPositive("battery.refresh_s"),
+        ),
+        (
+            MappedBatteryParams {
+                open_circuit: OpenCircuit::Linear { empty_v: 4.0, full_v: 3.0 },
+                ..SAME
+            },
+            ParamError::Decreasing("battery.open_circuit.linear.full_v"),
+        ),
+        (
+            MappedBatteryParams {
+                hysteresis: HysteresisParams { half_gap_v: -1.0, rate_per_soc: 1.0 },
+                ..SAME
+            },
+            ParamError::Negative("battery.hysteresis.half_gap_v"),
+        ),
+        (
+            MappedBatteryParams {
+                hysteresis: HysteresisParams { half_gap_v: 1.0, rate_per_soc: nan },
+                ..SAME
+            },
+            ParamError::Negative("battery.hysteresis.rate_per_soc"),
+        ),
+        (
+            MappedBatteryParams { series: series(-0.1, 0.0), ..SAME },
+            ParamError::Negative("battery.series.resistance_ohm"),
+        ),
+        (
+            MappedBatteryParams {
+                series: ResistanceMap {
+                    resistance_ohm: OverSoc::Table(falling),
+                    activation_k: 0.0,
+                },
+                ..SAME
+            },
+            ParamError::Negative("battery.series.resistance_ohm"),
+        ),
+        (
+            MappedBatteryParams { series: series(0.1, -1.0), ..SAME },
+            ParamError::Negative("battery.series.activation_k"),
+        ),
+        (
+            MappedBatteryParams { series: series(0.1, 3e4), ..SAME },
+            ParamError::OutOfRange("battery.series.activation_k"),
+        ),
+        (
+            MappedBatteryParams { polarisation: branch(nan, 0.0, 1.0), ..SAME },
+            ParamError::Negative("battery.polarisation.resistance_ohm"),
+        ),
+        (
+            MappedBatteryParams { polarisation: branch(0.1, 0.0, 0.0), ..SAME },
+            ParamError::NotPositive("battery.polarisation.time_constant_s"),
+        ),
+        (
+            MappedBatteryParams { second_polarisation: branch(0.1, 3e4, 1.0), ..SAME },
+            ParamError::OutOfRange("battery.second_polarisation.activation_k"),
+        ),
+        (
+            MappedBatteryParams { second_polarisation: branch(0.1, 0.0, nan), ..SAME },
+            ParamError::NotPositive("battery.second_polarisation.time_constant_s"),
+        ),
+        (
+            MappedBatteryParams {
+                thermal: ThermalParams { heat_capacity_j_per_k: 0.0, ..NODE },
+                ..SAME
+            },
+            ParamError::NotALimit("battery.thermal.heat_capacity_j_per_k"),
+        ),
+        (
+            MappedBatteryParams {
+                thermal: ThermalParams { cooling_w_per_k: -0.1, ..NODE },
+                ..SAME
+            },
+            ParamError::Negative("battery.thermal.cooling_w_per_k"),
+        ),
+        (
+            MappedBatteryParams { thermal: ThermalParams { ambient_c: 300.0, ..NODE }, ..SAME },
+            ParamError::OutOfRange("battery.thermal.ambient_c"),
+        ),
+        (
+            MappedBatteryParams { identified: range(-0.1, 1.0, 0.0, 1.0), ..SAME },
+            ParamError::NotARatio("battery.identified.soc_min"),
+        ),
+        (
+            MappedBatteryParams { identified: range(0.0, 1.1, 0.0, 1.0), ..SAME },
+            ParamError::NotARatio("battery.identified.soc_max"),
+        ),
+        (
+            MappedBatteryParams { identified: range(0.5, 0.5, 0.0, 1.0), ..SAME },
+            ParamError::NotAbove("battery.identified.soc_max"),
+        ),
+        (
+            MappedBatteryParams { identified: range(0.0, 1.0, nan, 1.0), ..SAME },
+            ParamError::OutOfRange("battery.identified.temperature_min_c"),
+        ),
+        (
+            MappedBatteryParams { identified: range(0.0, 1.0, 0.0, 400.0), ..SAME },
+            ParamError::OutOfRange("battery.identified.temperature_max_c"),
+        ),
+        (
+            MappedBatteryParams { identified: range(0.0, 1.0, 20.0, 10.0), ..SAME },
+            ParamError::NotAbove("battery.identified.temperature_max_c"),
+        ),
+    ] {
+        assert_eq!(refused(params), error);
+    }
+}
