@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::input_error::on_one_line;
 use crate::replay::{self, Options};
-use crate::validate;
+use crate::{measured, validate};
 
 /// EV powertrain plant: replays driving cycles and real trips.
 #[derive(Debug, Parser)]
@@ -46,8 +46,20 @@ enum Command {
         no_ledger: bool,
     },
     /// Check every published experiment, and an independent solution of the same equations,
-    /// against what the models give; exit code 1 where a check fails
+    /// against what the models give; exit code 1 where a check fails. Or, with --trips or --cells,
+    /// compare the models with every measurement in a folder
     Validate {
+        /// Compare with every trip file in a folder: the battery alone on measured current, and
+        /// the whole vehicle
+        #[arg(long, value_name = "DIR")]
+        trips: Option<PathBuf>,
+        /// For --trips: a built-in vehicle (see `voltstep list`) or a vehicle file
+        #[arg(long, value_name = "NAME|FILE.toml", default_value = replay::DEFAULT_VEHICLE,
+              requires = "trips")]
+        vehicle: String,
+        /// For --trips: length of a step in milliseconds
+        #[arg(long, value_name = "MS", default_value_t = 10.0, requires = "trips")]
+        dt_ms: f64,
         /// Print JSON instead of the table
         #[arg(long)]
         json: bool,
@@ -107,7 +119,12 @@ fn run(command: Command) -> anyhow::Result<bool> {
             }
             Ok(true)
         }
-        Command::Validate { json } => {
+        Command::Validate { trips: Some(folder), vehicle, dt_ms, json, .. } => {
+            let report = measured::trips::run(&folder, &vehicle, dt_ms)?;
+            print(&if json { report.to_json()? } else { report.table() })?;
+            Ok(true)
+        }
+        Command::Validate { json, .. } => {
             let report = validate::run(true);
             print(&if json { report.to_json()? } else { report.table() })?;
             Ok(report.is_good())

@@ -13,6 +13,7 @@
 //! | [`summary`] | the figures of a replay, as JSON |
 //! | [`replay`] | all of it, end to end |
 //! | [`validate`] | every published experiment and an independent solution, against ours |
+//! | [`measured`] | a folder of real measurements, against ours |
 //!
 //! Private: `table` (the summary on a terminal), `sheet` and `plot` (the plot sheet), `output`
 //! (files that appear whole or not at all).
@@ -23,6 +24,7 @@ pub mod cli;
 pub mod compare;
 pub mod cycle;
 pub mod input_error;
+pub mod measured;
 mod output;
 mod plot;
 pub mod replay;

@@ -10,7 +10,7 @@ use crate::cycle::{self, Cycle};
 use crate::input_error::{self, nearest};
 use crate::output;
 use crate::route::Route;
-use crate::run::{self, Run};
+use crate::run::{self, Load, Run};
 use crate::sheet;
 use crate::summary::Summary;
 use crate::trip::{self, Trip};
@@ -92,10 +92,7 @@ pub fn open(input: &str) -> anyhow::Result<Input> {
 /// # Errors
 /// Bad input, by file, line and column where it is a file; a run that diverged.
 pub fn replay(input: &str, options: &Options) -> anyhow::Result<Replay> {
-    let Options { dt_ms, .. } = *options;
-    if !(SHORTEST_STEP_MS..=LONGEST_STEP_MS).contains(&dt_ms) {
-        bail!("--dt-ms must lie in {SHORTEST_STEP_MS}..{LONGEST_STEP_MS}, not {dt_ms}");
-    }
+    check_step(options.dt_ms)?;
     let vehicle = vehicle::load(&options.vehicle)?;
     match (open(input)?, options.mode) {
         (Input::Cycle(cycle), Mode::Vehicle) => of_cycle(&vehicle, &cycle, options),
@@ -105,6 +102,17 @@ pub fn replay(input: &str, options: &Options) -> anyhow::Result<Replay> {
         ),
         (Input::Trip(trip), mode) => of_trip(vehicle, *trip, mode, options),
     }
+}
+
+/// Whether a step given on the command line makes sense.
+///
+/// # Errors
+/// One that does not.
+pub fn check_step(dt_ms: f64) -> anyhow::Result<()> {
+    if !(SHORTEST_STEP_MS..=LONGEST_STEP_MS).contains(&dt_ms) {
+        bail!("--dt-ms must lie in {SHORTEST_STEP_MS}..{LONGEST_STEP_MS}, not {dt_ms}");
+    }
+    Ok(())
 }
 
 fn of_cycle(vehicle: &Vehicle, cycle: &Cycle, options: &Options) -> anyhow::Result<Replay> {
@@ -148,14 +156,15 @@ pub fn of_trip(
             (run::vehicle(&vehicle, &route, soc as f32, dt_s, ledger, progress)?, "trip")
         }
         Mode::Battery => {
-            let current: Vec<_> = route
-                .rows
-                .iter()
-                .zip(&trip.battery_a)
-                .map(|(row, a)| (row.time_s as f32, *a as f32))
+            let load: Vec<_> = (route.rows.iter().zip(&trip.battery_a))
+                .map(|(row, a)| Load {
+                    time_s: row.time_s as f32,
+                    current_a: *a as f32,
+                    temperature_c: row.battery_c,
+                })
                 .collect();
             let progress = options.show_progress;
-            (run::battery(&vehicle, &current, soc as f32, dt_s, progress)?, "battery")
+            (run::battery(&vehicle, &load, soc as f32, dt_s, progress)?, "battery")
         }
     };
     let duration_s = route.duration_s();
@@ -169,7 +178,7 @@ pub fn of_trip(
             .map(|_| summary.figures.battery_energy_kwh * 1000.0 / measured.distance_km);
     }
     summary.notes.extend(trip.notes.iter().cloned());
-    summary.notes.extend(trip.quirks(f64::from(vehicle.powertrain.battery.capacity_ah)));
+    summary.notes.extend(trip.quirks(f64::from(vehicle.capacity_ah())));
     summary.measured = Some(measured);
     summary.error = Some(deviation);
     Ok(Replay { summary, run, trip: Some(trip) })

@@ -31,6 +31,19 @@ pub struct Row {
     pub grade: Grade,
     /// Auxiliary power beside the vehicle's own, to the next row \[W\].
     pub auxiliary_w: f32,
+    /// Measured temperature of the battery \[°C\]; NaN where there is none.
+    pub battery_c: f32,
+}
+
+impl Row {
+    /// At rest on a flat road.
+    pub const FLAT: Self = Self {
+        time_s: 0.0,
+        speed_m_s: 0.0,
+        grade: Grade::FLAT,
+        auxiliary_w: 0.0,
+        battery_c: f32::NAN,
+    };
 }
 
 impl Route {
@@ -38,12 +51,7 @@ impl Route {
     #[must_use]
     pub fn of_cycle(cycle: &Cycle) -> Self {
         let start_s = cycle.points.first().map_or(0.0, |p| f64::from(p.0));
-        let flat = |time_s, speed_m_s| Row {
-            time_s: time_s - start_s,
-            speed_m_s,
-            grade: Grade::FLAT,
-            auxiliary_w: 0.0,
-        };
+        let flat = |time_s, speed_m_s| Row { time_s: time_s - start_s, speed_m_s, ..Row::FLAT };
         let mut rows = Vec::new();
         for pair in cycle.points.windows(2) {
             let ((t0, v0), (t1, v1)) = (pair[0], pair[1]);
@@ -72,6 +80,7 @@ impl Route {
                 speed_m_s: trip.speed_m_s[i],
                 grade: grades[i],
                 auxiliary_w: trip.auxiliary_w(i) as f32,
+                battery_c: trip.battery_c.get(i).map_or(f32::NAN, |c| *c as f32),
             })
             .collect();
         Self { rows }

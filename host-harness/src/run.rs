@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use plant_core::battery::{Battery, BatteryInput, BatteryState};
+use plant_core::battery::{Battery, BatteryInput, MappedBattery, MappedBatteryInput, Pack};
 use plant_core::body::Road;
 use plant_core::driver::{Driver, DriverInput, DriverState, Feedback};
-use plant_core::energy::{Book, EnergyReport};
+use plant_core::energy::{Book, EnergyLedger, EnergyReport};
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainState};
 use plant_core::sources::{AtEnd, TimeTable, TimeTableParams, TimeTableState};
 use plant_core::{Dt, num};
@@ -157,13 +157,16 @@ pub fn vehicle(
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     let dt = Dt::from_s(dt_s as f32)?;
     let drive = Drive { vehicle, route, start_soc, dt, dt_s, show_progress };
-    if ledger {
-        let plant = Powertrain::with_ledger(vehicle.powertrain, dt)?;
-        let (mut run, start, end) = drive.along(&plant)?;
-        run.energy = Some(plant.energy(&start, &end));
-        Ok(run)
-    } else {
-        Ok(drive.along(&Powertrain::new(vehicle.powertrain, dt)?)?.0)
+    let params = vehicle.powertrain;
+    match (vehicle.battery_map, ledger) {
+        (None, false) => Ok(drive.along(&Powertrain::new(params, dt)?)?.0),
+        (None, true) => drive.with_ledger(&Powertrain::with_ledger(params, dt)?),
+        (Some(map), false) => {
+            Ok(drive.along(&Powertrain::mapped(params.with_battery(map), dt)?)?.0)
+        }
+        (Some(map), true) => {
+            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(map), dt)?)
+        }
     }
 }
 
@@ -177,15 +180,22 @@ struct Drive<'a> {
 }
 
 impl Drive<'_> {
+    fn with_ledger<B: Pack>(&self, plant: &Powertrain<EnergyLedger, B>) -> anyhow::Result<Run> {
+        let (mut run, start, end) = self.along(plant)?;
+        run.energy = Some(plant.energy(&start, &end));
+        Ok(run)
+    }
+
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
-    fn along<L: Book>(
+    fn along<L: Book, B: Pack>(
         &self,
-        plant: &Powertrain<L>,
-    ) -> anyhow::Result<(Run, PowertrainState<L>, PowertrainState<L>)> {
+        plant: &Powertrain<L, B>,
+    ) -> anyhow::Result<Driven<L, B::State>> {
         let driver = Driver::new(self.vehicle.driver, &self.vehicle.powertrain, self.dt)?;
         let rows = &self.route.rows;
         let first = rows.first().context("an empty route")?;
-        let start = plant.at_speed(self.start_soc, first.speed_m_s as f32)?;
+        let mut start = plant.at_speed(self.start_soc, first.speed_m_s as f32)?;
+        plant.battery().set_temperature(&mut start.battery, first.battery_c);
         let mut trace = Vec::with_capacity(rows.len());
         trace.push(TraceRow {
             reference_m_s: first.speed_m_s as f32,
@@ -214,6 +224,7 @@ impl Drive<'_> {
                 ..trace[number]
             };
             if until > steps {
+                plant.battery().set_temperature(&mut loop_state.plant.battery, row.battery_c);
                 let stretch = Stretch::new(row, next, steps, until, self.dt_s);
                 let sound = loop_state.along(plant, &driver, &stretch, &mut kept);
                 anyhow::ensure!(
@@ -232,6 +243,9 @@ impl Drive<'_> {
         Ok((run, start, end))
     }
 }
+
+/// A run, and the states at its start and its end.
+type Driven<L, S> = (Run, PowertrainState<L, S>, PowertrainState<L, S>);
 
 /// The steps between two rows: the reference is a line, the rest holds.
 struct Stretch {
@@ -266,18 +280,18 @@ impl Stretch {
 }
 
 /// What the stepping loop carries along.
-struct Loop<L> {
-    plant: PowertrainState<L>,
+struct Loop<L, S> {
+    plant: PowertrainState<L, S>,
     driver: DriverState,
     feedback: Feedback,
     totals: Totals,
 }
 
-impl<L: Book> Loop<L> {
+impl<L: Book, S: Copy> Loop<L, S> {
     /// The loop itself. Whether every step was accepted; `kept` gets the end of the last one.
-    fn along(
+    fn along<B: Pack<State = S>>(
         &mut self,
-        plant: &Powertrain<L>,
+        plant: &Powertrain<L, B>,
         driver: &Driver,
         stretch: &Stretch,
         kept: &mut TraceRow,
@@ -328,52 +342,103 @@ impl<L: Book> Loop<L> {
     }
 }
 
-/// Runs a battery alone on a current over time (time from 0 \[s\], current \[A\]), with a trace
-/// row at each point.
+/// A battery that is stepped on its own.
+trait Alone: Pack {
+    /// One step: state of charge, voltage, current, refused charge \[C\].
+    fn fed(&self, state: &mut Self::State, current_a: f32) -> (f32, f32, f32, f32);
+}
+
+impl Alone for Battery {
+    fn fed(&self, state: &mut Self::State, current_a: f32) -> (f32, f32, f32, f32) {
+        let out = self.step(state, BatteryInput { current_a });
+        (out.soc, out.terminal_v, out.current_a, out.refused_charge_c)
+    }
+}
+
+impl Alone for MappedBattery {
+    fn fed(&self, state: &mut Self::State, current_a: f32) -> (f32, f32, f32, f32) {
+        let out = self.step(state, MappedBatteryInput { current_a });
+        (out.soc, out.terminal_v, out.current_a, out.refused_charge_c)
+    }
+}
+
+/// What a battery was measured to do, at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Time from 0 \[s\].
+    pub time_s: f32,
+    /// Current, linear to the next \[A\].
+    pub current_a: f32,
+    /// Temperature \[°C\]; NaN where it was not measured.
+    pub temperature_c: f32,
+}
+
+/// Runs a vehicle's battery alone on measured current and temperature, with a trace row at each
+/// sample.
 ///
 /// # Errors
-/// A parameter that is out of range, or fewer than two points.
-#[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+/// A parameter that is out of range, or fewer than two samples.
 pub fn battery(
     vehicle: &Vehicle,
-    current: &[(f32, f32)],
+    load: &[Load],
     start_soc: f32,
     dt_s: f64,
     show_progress: bool,
 ) -> anyhow::Result<Run> {
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     let dt = Dt::from_s(dt_s as f32)?;
-    let battery = Battery::new(vehicle.powertrain.battery, dt)?;
-    let table = held(current, dt)?;
+    match vehicle.battery_map {
+        None => {
+            let battery = Battery::new(vehicle.powertrain.battery, dt)?;
+            alone(&battery, load, start_soc, dt_s, dt, show_progress)
+        }
+        Some(map) => alone(&MappedBattery::new(map, dt)?, load, start_soc, dt_s, dt, show_progress),
+    }
+}
+
+fn alone<B: Alone>(
+    battery: &B,
+    load: &[Load],
+    start_soc: f32,
+    dt_s: f64,
+    dt: Dt,
+    show_progress: bool,
+) -> anyhow::Result<Run> {
+    let current: Vec<_> = load.iter().map(|l| (l.time_s, l.current_a)).collect();
+    let table = held(&current, dt)?;
     let mut clock = TimeTableState::default();
-    let mut state = BatteryState::rested(start_soc)?;
+    let mut state = battery.rested(start_soc)?;
     let mut totals = Totals { motor_torque_nm: (0.0, 0.0), ..Totals::default() };
-    let first_a = current.first().map_or(0.0, |p| p.1);
-    let mut trace = Vec::with_capacity(current.len());
+    let (first_a, first_c) =
+        load.first().map_or((0.0, f32::NAN), |l| (l.current_a, l.temperature_c));
+    battery.set_temperature(&mut state, first_c);
+    let mut trace = Vec::with_capacity(load.len());
     trace.push(TraceRow {
         battery_current_a: first_a,
         battery_voltage_v: battery.offer(&state).0.voltage_v(first_a),
         soc: start_soc,
         ..TraceRow::default()
     });
-    let mut progress = Progress::new(current.len(), show_progress);
+    let mut progress = Progress::new(load.len(), show_progress);
     let mut steps = 0;
     let started = Instant::now();
-    for (number, point) in current.iter().enumerate().skip(1) {
-        let time_s = f64::from(point.0);
+    for (number, pair) in load.windows(2).enumerate() {
+        let time_s = f64::from(pair[1].time_s);
         let until = step_at(time_s, dt_s);
-        let mut row = TraceRow { time_s, ..trace[number - 1] };
+        let mut row = TraceRow { time_s, ..trace[number] };
+        battery.set_temperature(&mut state, pair[0].temperature_c);
         while steps < until {
-            let out = battery
-                .step(&mut state, BatteryInput { current_a: table.step(&mut clock, ()).value });
-            totals.battery_energy_j += f64::from(out.terminal_v * out.current_a) * dt_s;
-            totals.limited_steps += u64::from(out.refused_charge_c != 0.0);
-            totals.refused_charge_c += f64::from(out.refused_charge_c.abs());
-            widen(&mut totals.battery_current_a, out.current_a);
-            totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, out.terminal_v);
+            let (soc, terminal_v, current_a, refused_charge_c) =
+                battery.fed(&mut state, table.step(&mut clock, ()).value);
+            totals.battery_energy_j += f64::from(terminal_v * current_a) * dt_s;
+            totals.limited_steps += u64::from(refused_charge_c != 0.0);
+            totals.refused_charge_c += f64::from(refused_charge_c.abs());
+            widen(&mut totals.battery_current_a, current_a);
+            totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, terminal_v);
             steps += 1;
-            row.battery_current_a = out.current_a;
-            row.battery_voltage_v = out.terminal_v;
-            row.soc = out.soc;
+            row.battery_current_a = current_a;
+            row.battery_voltage_v = terminal_v;
+            row.soc = soc;
         }
         trace.push(row);
         progress.at(number);

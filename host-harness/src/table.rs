@@ -10,7 +10,8 @@ use crate::vehicle;
 /// Of the energy ledger, terms below this do not show in the table \[kWh\].
 const SMALLEST_TERM_KWH: f64 = 5e-5;
 
-fn table(header: &[&str]) -> Table {
+/// An empty table, numbers to the right.
+pub fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header.iter().copied());
     for column in table.column_iter_mut().skip(1) {

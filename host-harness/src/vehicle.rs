@@ -11,7 +11,7 @@ mod tests;
 use std::path::Path;
 
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::BatteryParams;
+use plant_core::battery::{BatteryParams, MappedBatteryParams};
 use plant_core::body::BodyParams;
 use plant_core::converter::ConverterParams;
 use plant_core::dc_motor::DcMotorParams;
@@ -49,8 +49,18 @@ pub struct Vehicle {
     pub initial_soc: f32,
     /// The plant.
     pub powertrain: PowertrainParams,
+    /// The battery that takes the place of the plant's constant one.
+    pub battery_map: Option<MappedBatteryParams>,
     /// Who drives it.
     pub driver: DriverParams,
+}
+
+impl Vehicle {
+    /// Charge that its battery holds \[A·h\].
+    #[must_use]
+    pub fn capacity_ah(&self) -> f32 {
+        self.battery_map.map_or(self.powertrain.battery.capacity_ah, |map| map.capacity_ah)
+    }
 }
 
 /// A vehicle as its file is laid out.
@@ -89,6 +99,7 @@ impl From<VehicleFile> for Vehicle {
                 wheel: file.wheel,
                 body: file.body,
             },
+            battery_map: None,
             driver: file.driver,
         }
     }

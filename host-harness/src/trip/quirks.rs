@@ -41,6 +41,16 @@ impl Trip {
         quirks
     }
 
+    /// Why a comparison with this trip would say nothing of the model, in words: measurements that
+    /// were not measured, a state of charge that does not fit the ampere-hours.
+    #[must_use]
+    pub fn unfit(&self, capacity_ah: f64) -> Vec<String> {
+        let mut reasons = Vec::new();
+        self.straight_lines(&mut reasons);
+        reasons.extend(self.soc_reference(capacity_ah));
+        reasons
+    }
+
     fn gaps(&self, quirks: &mut Vec<String>) {
         let mut gaps = self.time_s.windows(2).filter(|t| t[1] - t[0] > GAP_S);
         for t in gaps.by_ref().take(NAMED_GAPS) {

@@ -5,10 +5,11 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `equations` | the independent solver and the vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `components`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `components`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`endurance`] | `voltstep endurance` |
 
 mod adaptive;
+mod battery_map;
 mod bench;
 mod components;
 pub mod endurance;
@@ -166,6 +167,7 @@ fn cases() -> Vec<Case> {
     cases.extend(bench::CASES);
     cases.extend(motor::CASES);
     cases.extend(components::CASES);
+    cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases
 }

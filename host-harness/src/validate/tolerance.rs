@@ -331,6 +331,15 @@ pub const BATTERY_VOLTAGE: Bound =
     Bound::new("voltage [V]", None, Relative(2e-6), CLOSED, "rounding in f32");
 pub const BATTERY_HEAT: Bound =
     Bound::new("heat [J]", None, Relative(1e-5), CLOSED, "rounding in f32");
+pub const MAP_SOC: Bound = Bound::new("SOC", None, Absolute(2e-6), ADAPTIVE, "rounding in f32");
+pub const MAP_VOLTAGE: Bound =
+    Bound::new("voltage, largest difference [V]", None, AtMost(1e-3), ADAPTIVE, REFRESH);
+pub const MAP_TEMPERATURE: Bound =
+    Bound::new("temperature, largest difference [K]", None, AtMost(0.05), ADAPTIVE, REFRESH);
+
+const REFRESH: &str =
+    "first order in the refresh of 1 s: a tenth of it gives a tenth (6e-4 V, 2e-3 K)";
+
 pub const PID_TRAJECTORY: Bound = Bound::new(
     "output, largest difference",
     None,

@@ -1,7 +1,6 @@
 //! UDDS in closed loop, with both parameter sets (`EPowertrain` 2025, section 5.4).
 
 use anyhow::Context;
-use plant_core::slope::Grade;
 
 use super::adaptive::{Clock, integrate};
 use super::equations::{DISTANCE, ENERGY, Parameters, SOC, Stretch, UDDS, UDDS_TABLE, V, Vehicle};
@@ -100,7 +99,7 @@ fn solve(p: Parameters, points: &[(f32, f32)]) -> anyhow::Result<Trajectory> {
 /// The cycle with rows close enough to compare ringing trajectories.
 fn route(points: &[(f32, f32)]) -> Route {
     let mut rows = Vec::new();
-    let row = |time_s, speed_m_s| Row { time_s, speed_m_s, grade: Grade::FLAT, auxiliary_w: 0.0 };
+    let row = |time_s, speed_m_s| Row { time_s, speed_m_s, ..Row::FLAT };
     for pair in points.windows(2) {
         let [(t0, v0), (t1, v1)] = [pair[0], pair[1]].map(|(t, v)| (f64::from(t), f64::from(v)));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]

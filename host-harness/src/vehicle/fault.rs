@@ -50,8 +50,12 @@ impl Fault {
             ),
             Kind::Value if path.is_empty() => self.message,
             Kind::Value => {
+                // A rule names its field in full, or as far as it is known.
+                let named = [path, subject.0].into_iter().find_map(|name| {
+                    self.message.strip_prefix(name).and_then(|rest| rest.strip_prefix(' '))
+                });
                 let subject = of_table(subject.0, subject.1);
-                match self.message.strip_prefix(path).and_then(|rest| rest.strip_prefix(' ')) {
+                match named {
                     Some(rule) => format!("{subject} {rule}"),
                     None => format!("{subject}: {}", self.message),
                 }

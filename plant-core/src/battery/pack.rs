@@ -50,6 +50,8 @@ pub trait Pack: Copy {
     fn discharged_energy_j(&self, from: &Self::State, to: &Self::State) -> Real;
     /// Lets slow parameters follow, after a step.
     fn refresh(&self, state: &mut Self::State);
+    /// Takes a measured temperature \[°C\], where the model knows one.
+    fn set_temperature(&self, state: &mut Self::State, temperature_c: Real);
     /// Whether state of charge or temperature lie outside what the parameters were identified for.
     fn is_outside(state: &Self::State) -> bool;
 }
@@ -123,6 +125,8 @@ impl Pack for Battery {
 
     #[inline(always)]
     fn refresh(&self, _state: &mut BatteryState) {}
+
+    fn set_temperature(&self, _state: &mut BatteryState, _temperature_c: Real) {}
 
     #[inline(always)]
     fn is_outside(_state: &BatteryState) -> bool {
@@ -205,6 +209,10 @@ impl Pack for MappedBattery {
     #[inline(always)]
     fn refresh(&self, state: &mut MappedBatteryState) {
         Self::refresh(self, state);
+    }
+
+    fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) {
+        Self::set_temperature(self, state, temperature_c);
     }
 
     #[inline(always)]

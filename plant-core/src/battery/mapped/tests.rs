@@ -232,7 +232,7 @@ fn bad_input_changes_nothing() {
 fn stays_finite_however_hot_it_is_made() {
     let thermal = ThermalParams { heat_capacity_j_per_k: 1e-6, ..NODE };
     let series = ResistanceMap { resistance_ohm: OverSoc::Constant(0.03), activation_k: 9000.0 };
-    let map = mapped(MappedBatteryParams { thermal, series, ..SAME }, 1.0);
+    let map = mapped(MappedBatteryParams { series, thermal, ..SAME }, 1.0);
     let mut s = map.rested(0.9).unwrap();
     for i in 0..500_u32 {
         let out = map.step(&mut s, load(if i % 7 == 0 { -3.0 } else { 10.0 }));
@@ -240,145 +240,85 @@ fn stays_finite_however_hot_it_is_made() {
     }
 }
 
+type Case = (fn(&mut MappedBatteryParams), ParamError);
+
+const REFUSED: [Case; 24] = {
+    use ParamError::{
+        Decreasing, Negative, NotALimit, NotARatio, NotAbove, NotPositive, OutOfRange,
+    };
+    const NAN: Real = Real::NAN;
+    const FALLING: OpenCircuit = OpenCircuit::Linear { empty_v: 4.0, full_v: 3.0 };
+    [
+        (|p| p.capacity_ah = 0.0, NotPositive("battery.capacity_ah")),
+        (|p| p.discharge_limit_a = NAN, NotALimit("battery.discharge_limit_a")),
+        (|p| p.charge_limit_a = 0.0, NotALimit("battery.charge_limit_a")),
+        (|p| p.refresh_s = 0.0, NotPositive("battery.refresh_s")),
+        (|p| p.open_circuit = FALLING, Decreasing("battery.open_circuit.linear.full_v")),
+        (|p| p.hysteresis.half_gap_v = -1.0, Negative("battery.hysteresis.half_gap_v")),
+        (|p| p.hysteresis.rate_per_soc = NAN, Negative("battery.hysteresis.rate_per_soc")),
+        (
+            |p| p.series.resistance_ohm = OverSoc::Constant(-0.1),
+            Negative("battery.series.resistance_ohm"),
+        ),
+        (
+            |p| {
+                let falling = SocTable::from_points("t", &[(0.0, 0.1), (1.0, -0.1)]).unwrap();
+                p.series.resistance_ohm = OverSoc::Table(falling);
+            },
+            Negative("battery.series.resistance_ohm"),
+        ),
+        (|p| p.series.activation_k = -1.0, Negative("battery.series.activation_k")),
+        (|p| p.series.activation_k = 3e4, OutOfRange("battery.series.activation_k")),
+        (
+            |p| p.polarisation.resistance_ohm = OverSoc::Constant(NAN),
+            Negative("battery.polarisation.resistance_ohm"),
+        ),
+        (
+            |p| p.polarisation.time_constant_s = 0.0,
+            NotPositive("battery.polarisation.time_constant_s"),
+        ),
+        (
+            |p| p.second_polarisation.activation_k = 3e4,
+            OutOfRange("battery.second_polarisation.activation_k"),
+        ),
+        (
+            |p| p.second_polarisation.time_constant_s = NAN,
+            NotPositive("battery.second_polarisation.time_constant_s"),
+        ),
+        (
+            |p| p.thermal.heat_capacity_j_per_k = 0.0,
+            NotALimit("battery.thermal.heat_capacity_j_per_k"),
+        ),
+        (|p| p.thermal.cooling_w_per_k = -0.1, Negative("battery.thermal.cooling_w_per_k")),
+        (|p| p.thermal.ambient_c = 300.0, OutOfRange("battery.thermal.ambient_c")),
+        (|p| p.identified.soc_min = -0.1, NotARatio("battery.identified.soc_min")),
+        (|p| p.identified.soc_max = 1.1, NotARatio("battery.identified.soc_max")),
+        (|p| p.identified.soc_max = 0.0, NotAbove("battery.identified.soc_max")),
+        (
+            |p| p.identified.temperature_min_c = NAN,
+            OutOfRange("battery.identified.temperature_min_c"),
+        ),
+        (
+            |p| p.identified.temperature_max_c = 400.0,
+            OutOfRange("battery.identified.temperature_max_c"),
+        ),
+        (
+            |p| p.identified.temperature_max_c = -101.0 + 0.5,
+            OutOfRange("battery.identified.temperature_max_c"),
+        ),
+    ]
+};
+
 #[test]
 fn refuses_each_bad_field_by_name() {
-    let refused = |params| MappedBattery::new(params, dt(0.1)).unwrap_err();
-    let nan = Real::NAN;
-    let branch = |resistance, activation_k, time_constant_s| BranchMap {
-        resistance_ohm: OverSoc::Constant(resistance),
-        activation_k,
-        time_constant_s,
-    };
-    let series = |resistance, activation_k| ResistanceMap {
-        resistance_ohm: OverSoc::Constant(resistance),
-        activation_k,
-    };
-    let falling = SocTable::from_points("t", &[(0.0, 0.1), (1.0, -0.1)]).unwrap();
-    let range = |soc_min, soc_max, temperature_min_c, temperature_max_c| IdentifiedRange {
-        soc_min,
-        soc_max,
-        temperature_min_c,
-        temperature_max_c,
-    };
-    for (params, error) in [
-        (
-            MappedBatteryParams { capacity_ah: 0.0, ..SAME },
-            ParamError::NotPositive("battery.capacity_ah"),
-        ),
-        (
-            MappedBatteryParams { discharge_limit_a: nan, ..SAME },
-            ParamError::NotALimit("battery.discharge_limit_a"),
-        ),
-        (
-            MappedBatteryParams { charge_limit_a: 0.0, ..SAME },
-            ParamError::NotALimit("battery.charge_limit_a"),
-        ),
-        (
-            MappedBatteryParams { refresh_s: 0.0, ..SAME },
-            ParamError::NotPositive("battery.refresh_s"),
-        ),
-        (
-            MappedBatteryParams {
-                open_circuit: OpenCircuit::Linear { empty_v: 4.0, full_v: 3.0 },
-                ..SAME
-            },
-            ParamError::Decreasing("battery.open_circuit.linear.full_v"),
-        ),
-        (
-            MappedBatteryParams {
-                hysteresis: HysteresisParams { half_gap_v: -1.0, rate_per_soc: 1.0 },
-                ..SAME
-            },
-            ParamError::Negative("battery.hysteresis.half_gap_v"),
-        ),
-        (
-            MappedBatteryParams {
-                hysteresis: HysteresisParams { half_gap_v: 1.0, rate_per_soc: nan },
-                ..SAME
-            },
-            ParamError::Negative("battery.hysteresis.rate_per_soc"),
-        ),
-        (
-            MappedBatteryParams { series: series(-0.1, 0.0), ..SAME },
-            ParamError::Negative("battery.series.resistance_ohm"),
-        ),
-        (
-            MappedBatteryParams {
-                series: ResistanceMap {
-                    resistance_ohm: OverSoc::Table(falling),
-                    activation_k: 0.0,
-                },
-                ..SAME
-            },
-            ParamError::Negative("battery.series.resistance_ohm"),
-        ),
-        (
-            MappedBatteryParams { series: series(0.1, -1.0), ..SAME },
-            ParamError::Negative("battery.series.activation_k"),
-        ),
-        (
-            MappedBatteryParams { series: series(0.1, 3e4), ..SAME },
-            ParamError::OutOfRange("battery.series.activation_k"),
-        ),
-        (
-            MappedBatteryParams { polarisation: branch(nan, 0.0, 1.0), ..SAME },
-            ParamError::Negative("battery.polarisation.resistance_ohm"),
-        ),
-        (
-            MappedBatteryParams { polarisation: branch(0.1, 0.0, 0.0), ..SAME },
-            ParamError::NotPositive("battery.polarisation.time_constant_s"),
-        ),
-        (
-            MappedBatteryParams { second_polarisation: branch(0.1, 3e4, 1.0), ..SAME },
-            ParamError::OutOfRange("battery.second_polarisation.activation_k"),
-        ),
-        (
-            MappedBatteryParams { second_polarisation: branch(0.1, 0.0, nan), ..SAME },
-            ParamError::NotPositive("battery.second_polarisation.time_constant_s"),
-        ),
-        (
-            MappedBatteryParams {
-                thermal: ThermalParams { heat_capacity_j_per_k: 0.0, ..NODE },
-                ..SAME
-            },
-            ParamError::NotALimit("battery.thermal.heat_capacity_j_per_k"),
-        ),
-        (
-            MappedBatteryParams {
-                thermal: ThermalParams { cooling_w_per_k: -0.1, ..NODE },
-                ..SAME
-            },
-            ParamError::Negative("battery.thermal.cooling_w_per_k"),
-        ),
-        (
-            MappedBatteryParams { thermal: ThermalParams { ambient_c: 300.0, ..NODE }, ..SAME },
-            ParamError::OutOfRange("battery.thermal.ambient_c"),
-        ),
-        (
-            MappedBatteryParams { identified: range(-0.1, 1.0, 0.0, 1.0), ..SAME },
-            ParamError::NotARatio("battery.identified.soc_min"),
-        ),
-        (
-            MappedBatteryParams { identified: range(0.0, 1.1, 0.0, 1.0), ..SAME },
-            ParamError::NotARatio("battery.identified.soc_max"),
-        ),
-        (
-            MappedBatteryParams { identified: range(0.5, 0.5, 0.0, 1.0), ..SAME },
-            ParamError::NotAbove("battery.identified.soc_max"),
-        ),
-        (
-            MappedBatteryParams { identified: range(0.0, 1.0, nan, 1.0), ..SAME },
-            ParamError::OutOfRange("battery.identified.temperature_min_c"),
-        ),
-        (
-            MappedBatteryParams { identified: range(0.0, 1.0, 0.0, 400.0), ..SAME },
-            ParamError::OutOfRange("battery.identified.temperature_max_c"),
-        ),
-        (
-            MappedBatteryParams { identified: range(0.0, 1.0, 20.0, 10.0), ..SAME },
-            ParamError::NotAbove("battery.identified.temperature_max_c"),
-        ),
-    ] {
-        assert_eq!(refused(params), error);
+    for (spoil, error) in REFUSED {
+        let mut params = SAME;
+        spoil(&mut params);
+        assert_eq!(MappedBattery::new(params, dt(0.1)), Err(error));
     }
+    let mut params = SAME;
+    params.identified.temperature_min_c = 20.0;
+    params.identified.temperature_max_c = 10.0;
+    let above = ParamError::NotAbove("battery.identified.temperature_max_c");
+    assert_eq!(MappedBattery::new(params, dt(0.1)), Err(above));
 }

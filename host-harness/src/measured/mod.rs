@@ -1,0 +1,30 @@
+//! `voltstep validate --trips` and `--cells`: the models against every measurement in a folder,
+//! one row each and a summary.
+
+mod statistics;
+pub mod trips;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+pub use statistics::{Spread, Summary};
+
+/// The CSV files of a folder, by name.
+///
+/// # Errors
+/// A folder that cannot be read, or has none.
+fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let shown = folder.display();
+    let entries = std::fs::read_dir(folder).with_context(|| format!("{shown}: cannot be read"))?;
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = entry.with_context(|| format!("{shown}: cannot be read"))?.path();
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+            files.push(path);
+        }
+    }
+    anyhow::ensure!(!files.is_empty(), "{shown}: no .csv file in it");
+    files.sort_unstable();
+    Ok(files)
+}
