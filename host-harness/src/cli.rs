@@ -51,14 +51,22 @@ enum Command {
     Validate {
         /// Compare with every trip file in a folder: the battery alone on measured current, and
         /// the whole vehicle
-        #[arg(long, value_name = "DIR")]
+        #[arg(long, value_name = "DIR", conflicts_with = "cells")]
         trips: Option<PathBuf>,
+        /// Compare with every drive cycle of a cell in a folder: the battery on measured current
+        /// and temperature, its thermal node alone
+        #[arg(long, value_name = "DIR")]
+        cells: Option<PathBuf>,
+        /// For --cells: a built-in battery (see `voltstep list`) or a battery file
+        #[arg(long, value_name = "NAME|FILE.toml", default_value = measured::cells::DEFAULT_CELL,
+              requires = "cells")]
+        cell: String,
         /// For --trips: a built-in vehicle (see `voltstep list`) or a vehicle file
         #[arg(long, value_name = "NAME|FILE.toml", default_value = replay::DEFAULT_VEHICLE,
               requires = "trips")]
         vehicle: String,
-        /// For --trips: length of a step in milliseconds
-        #[arg(long, value_name = "MS", default_value_t = 10.0, requires = "trips")]
+        /// For --trips and --cells: length of a step in milliseconds
+        #[arg(long, value_name = "MS", default_value_t = 10.0)]
         dt_ms: f64,
         /// Print JSON instead of the table
         #[arg(long)]
@@ -74,7 +82,7 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// List the built-in cycles and vehicles
+    /// List the built-in cycles, vehicles and batteries
     List,
 }
 
@@ -121,6 +129,11 @@ fn run(command: Command) -> anyhow::Result<bool> {
         }
         Command::Validate { trips: Some(folder), vehicle, dt_ms, json, .. } => {
             let report = measured::trips::run(&folder, &vehicle, dt_ms)?;
+            print(&if json { report.to_json()? } else { report.table() })?;
+            Ok(true)
+        }
+        Command::Validate { cells: Some(folder), cell, dt_ms, json, .. } => {
+            let report = measured::cells::run(&folder, &cell, dt_ms)?;
             print(&if json { report.to_json()? } else { report.table() })?;
             Ok(true)
         }

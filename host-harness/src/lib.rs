@@ -4,7 +4,7 @@
 //! | Module | What it does |
 //! |---|---|
 //! | [`cli`] | the command line of `voltstep` |
-//! | [`cycle`], [`trip`], [`vehicle`] | what can be read, built in or from a file |
+//! | [`cycle`], [`trip`], [`cell`], [`vehicle`], [`battery_file`] | what can be read, built in or from a file |
 //! | [`input_error`] | what is wrong with a file, and where |
 //! | [`synthetic`] | makes the synthetic trip in `data/trips` |
 //! | [`route`] | a cycle or a trip as the plant's inputs over time |
@@ -20,6 +20,8 @@
 
 #![cfg_attr(test, allow(clippy::cast_precision_loss))]
 
+pub mod battery_file;
+pub mod cell;
 pub mod cli;
 pub mod compare;
 pub mod cycle;

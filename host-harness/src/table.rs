@@ -3,6 +3,7 @@
 use comfy_table::presets;
 use comfy_table::{CellAlignment, Table};
 
+use crate::battery_file;
 use crate::cycle;
 use crate::summary::{Figures, Summary};
 use crate::vehicle;
@@ -115,7 +116,7 @@ pub fn render(s: &Summary) -> String {
     text
 }
 
-/// The built-in cycles and vehicles.
+/// The built-in cycles, vehicles and batteries.
 #[must_use]
 pub fn list() -> String {
     let mut cycles = table(&["cycle", "length [s]", "distance [km]", "source"]);
@@ -137,11 +138,18 @@ pub fn list() -> String {
     for vehicle in vehicle::builtin() {
         vehicles.add_row([vehicle.name, vehicle.description, vehicle.source]);
     }
-    for table in [&mut cycles, &mut vehicles] {
+    let mut batteries = table(&["battery", "description", "source"]);
+    batteries.column_iter_mut().skip(1).for_each(|c| {
+        c.set_cell_alignment(CellAlignment::Left);
+    });
+    for battery in battery_file::builtin() {
+        batteries.add_row([battery.name, battery.description, battery.source]);
+    }
+    for table in [&mut cycles, &mut vehicles, &mut batteries] {
         table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
         if table.width().is_none() {
             table.set_width(100);
         }
     }
-    format!("{cycles}\n\n{vehicles}\n")
+    format!("{cycles}\n\n{vehicles}\n\n{batteries}\n")
 }

@@ -3,7 +3,7 @@
 //! A file says what `plant_core::presets` says as constants: `data/vehicles/*.toml` are the
 //! examples. Whatever is wrong in one is reported with its line and column.
 
-mod document;
+pub(crate) mod document;
 mod fault;
 #[cfg(test)]
 mod tests;
@@ -22,6 +22,7 @@ use plant_core::wheel::WheelParams;
 use plant_core::{Dt, ParamError, must};
 use serde::Deserialize;
 
+use crate::battery_file;
 use crate::input_error::{self, InputError, listed, nearest, shown};
 use document::Document;
 
@@ -71,6 +72,8 @@ struct VehicleFile {
     description: String,
     source: String,
     initial_soc: f32,
+    #[serde(default)]
+    battery_map: Option<String>,
     battery: BatteryParams,
     #[serde(default)]
     auxiliary: AuxiliaryParams,
@@ -146,7 +149,13 @@ pub fn load(name_or_path: &str) -> Result<Vehicle, InputError> {
 /// [`InputError`] says what is wrong and where.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     let document = Document::parse(file, bytes)?;
-    let vehicle = Vehicle::from(document.read::<VehicleFile>()?);
+    let content = document.read::<VehicleFile>()?;
+    let battery_map = content.battery_map.as_deref().map(|name| mapped(file, name)).transpose();
+    let battery_map = battery_map.map_err(|error| {
+        let place = document.refusal("battery_map", "cannot be used");
+        InputError { message: format!("{}: {error}", place.message), ..place }
+    })?;
+    let vehicle = Vehicle { battery_map, ..Vehicle::from(content) };
     if !(0.0..=1.0).contains(&vehicle.initial_soc) {
         return Err(document.refusal("initial_soc", "must lie in 0..1"));
     }
@@ -155,6 +164,18 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         document.refusal(&field, error.message())
     })?;
     Ok(vehicle)
+}
+
+/// The battery that a vehicle's file names: built in, or a file beside it.
+fn mapped(vehicle_file: &str, name: &str) -> Result<MappedBatteryParams, InputError> {
+    let beside = Path::new(vehicle_file).with_file_name(name);
+    let is_file = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let found = if is_file {
+        battery_file::load(&beside.to_string_lossy())?
+    } else {
+        battery_file::load(name)?
+    };
+    Ok(found.battery)
 }
 
 /// Whether the models take the parameters.

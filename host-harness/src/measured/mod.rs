@@ -1,6 +1,7 @@
 //! `voltstep validate --trips` and `--cells`: the models against every measurement in a folder,
 //! one row each and a summary.
 
+pub mod cells;
 mod statistics;
 pub mod trips;
 
@@ -27,4 +28,8 @@ fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     anyhow::ensure!(!files.is_empty(), "{shown}: no .csv file in it");
     files.sort_unstable();
     Ok(files)
+}
+
+fn number(x: Option<f64>, digits: usize) -> String {
+    x.filter(|x| x.is_finite()).map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"))
 }

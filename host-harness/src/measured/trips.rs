@@ -8,6 +8,7 @@ use anyhow::Context;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::number;
 use super::statistics::{Spread, Summary, spread};
 use crate::cli::Mode;
 use crate::replay::{self, Options};
@@ -219,7 +220,3 @@ impl Report {
 type Pick = (&'static str, fn(&Spread) -> f64);
 const SPREADS: [Pick; 3] =
     [("median", |s| s.median), ("90th percentile", |s| s.p90), ("largest", |s| s.max)];
-
-fn number(x: Option<f64>, digits: usize) -> String {
-    x.filter(|x| x.is_finite()).map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"))
-}

@@ -14,14 +14,14 @@ use super::fault::{Fault, Kind, advice, joined, of_table};
 use crate::input_error::{self, InputError, listed, shown};
 
 /// A TOML document, parsed, with the place of every key.
-pub(super) struct Document<'a> {
+pub(crate) struct Document<'a> {
     file: &'a str,
     text: &'a str,
     root: DeValue<'a>,
 }
 
 /// Where a field stands in a document.
-pub(super) struct Place {
+pub(crate) struct Place {
     /// Its key, or the nearest table around it that is there.
     offset: usize,
     /// Its full path, as far as it is there.
@@ -32,7 +32,7 @@ pub(super) struct Place {
 
 impl<'a> Document<'a> {
     /// Parses `bytes`; `file` is for messages.
-    pub(super) fn parse(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
+    pub(crate) fn parse(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
         let text = input_error::text(file, bytes)?;
         match DeTable::parse(text) {
             Ok(root) => Ok(Self { file, text, root: DeValue::Table(root.into_inner()) }),
@@ -45,7 +45,7 @@ impl<'a> Document<'a> {
     }
 
     /// Reads a value whose keys all have their place in it.
-    pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, InputError> {
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         let node = Node { value: &self.root, offset: 0, path: String::new() };
         T::deserialize(node).map_err(|fault| {
             InputError::at(self.file, self.text, fault.offset.unwrap_or(0), fault.message)
@@ -53,7 +53,7 @@ impl<'a> Document<'a> {
     }
 
     /// Finds the field `a.b.c`; a table that only names a variant may be left out of the path.
-    pub(super) fn locate(&self, field: &str) -> Place {
+    pub(crate) fn locate(&self, field: &str) -> Place {
         let mut place = Place { offset: 0, path: Vec::new(), value: None };
         let mut value = &self.root;
         for part in field.split('.') {
@@ -77,7 +77,7 @@ impl<'a> Document<'a> {
     }
 
     /// A rule that the value of `field` breaks.
-    pub(super) fn refusal(&self, field: &str, rule: &str) -> InputError {
+    pub(crate) fn refusal(&self, field: &str, rule: &str) -> InputError {
         let place = self.locate(field);
         let message = match (place.path.split_last(), &place.value) {
             (Some((key, tables)), Some(value)) => {
@@ -91,7 +91,7 @@ impl<'a> Document<'a> {
 
 impl Place {
     /// Whether the field itself is there.
-    pub(super) const fn is_found(&self) -> bool {
+    pub(crate) const fn is_found(&self) -> bool {
         self.value.is_some()
     }
 }

@@ -158,13 +158,37 @@ fn reads_a_table_of_the_open_circuit_voltage() {
 }
 
 #[test]
+fn a_battery_map_is_built_in_or_a_file_beside_the_vehicle() {
+    let folder = tempfile::tempdir().unwrap();
+    let vehicle = |map: &str| {
+        let path = folder.path().join("cart.toml");
+        let text = EXAMPLE
+            .replace("initial_soc = 0.5", &format!("initial_soc = 0.5\nbattery_map = \"{map}\""));
+        std::fs::write(&path, text).unwrap();
+        load(&path.to_string_lossy())
+    };
+    let map = vehicle("panasonic-ncr18650pf").unwrap();
+    assert!((map.capacity_ah() - 2.97).abs() < 0.1, "{}", map.capacity_ah());
+    let own = include_str!("../../data/batteries/panasonic-ncr18650pf.toml");
+    std::fs::write(folder.path().join("own.toml"), own).unwrap();
+    assert_eq!(vehicle("own.toml").unwrap().battery_map, map.battery_map);
+    for (name, expected) in [
+        ("panasonic", ":5:1: `battery_map` cannot be used"),
+        ("nowhere.toml", "nowhere.toml: cannot read"),
+    ] {
+        let error = vehicle(name).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
 fn an_unknown_key() {
     says("mass_kg", "masss_kg", "40:1: unknown key `masss_kg` in [body]; did you mean `mass_kg`?");
     says(
         "name =",
         "  title =",
         "1:3: unknown key `title`; expected one of `name`, `description`, `source`, \
-         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
+         `initial_soc`, `battery_map`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
          `driver`",
     );
     says(
@@ -266,6 +290,10 @@ fn values_that_break_a_rule() {
     }
 }
 
+/// Keys whose values are no numbers.
+const TEXTS: [&str; 6] =
+    ["name", "description", "source", "battery_map", "derivative_of", "anti_windup"];
+
 #[test]
 fn every_field_that_the_models_check_has_its_place() {
     let numbers = |text: &str| {
@@ -276,7 +304,7 @@ fn every_field_that_the_models_check_has_its_place() {
                 name.split(']').next().unwrap_or("").clone_into(&mut table);
             } else if let Some((key, _)) = line.split_once(" = ")
                 && !line.starts_with('#')
-                && !["name", "description", "source", "derivative_of", "anti_windup"].contains(&key)
+                && !TEXTS.contains(&key)
             {
                 found.push((i, table.clone(), key.to_owned()));
             }
@@ -338,7 +366,7 @@ fn values_of_the_wrong_type() {
         body,
         "[x]",
         "39:2: unknown table [x]; expected one of `name`, `description`, `source`, \
-         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
+         `initial_soc`, `battery_map`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
          `driver`",
     );
 }

@@ -1,4 +1,4 @@
-//! `voltstep validate --trips`.
+//! `voltstep validate --trips` and `--cells`.
 
 use serde_json::Value;
 
@@ -81,4 +81,56 @@ fn refuses_a_folder_without_trips() {
         assert!(run.stderr.contains(part), "{folder}: {}", run.stderr);
         assert!(run.stdout.is_empty());
     }
+}
+
+/// A drive cycle that the built-in cell itself drove, its voltage off by `bias_v`, and 1 s between
+/// samples.
+fn drive_cycle(bias_v: f32) -> String {
+    use plant_core::Dt;
+    use plant_core::battery::{MappedBattery, MappedBatteryInput};
+    let cell = voltstep::battery_file::load("panasonic-ncr18650pf").unwrap();
+    let battery = MappedBattery::new(cell.battery, Dt::from_s(0.01).unwrap()).unwrap();
+    let mut state = battery.rested_at(1.0, 20.0).unwrap();
+    let mut text =
+        "time_s,current_a,voltage_v,discharged_ah,cell_temperature_c,chamber_temperature_c\n"
+            .to_owned();
+    let mut last = battery.step(&mut state, MappedBatteryInput { current_a: 2.0 });
+    for second in 0..3000_u16 {
+        let current_a = if second / 60 % 3 == 0 { 4.0 } else { 1.0 };
+        let used_ah = (1.0 - last.soc) * cell.battery.capacity_ah;
+        let (volts, celsius) = (last.terminal_v + bias_v, last.temperature_c);
+        text += &format!("{second},{},{volts:.5},{used_ah:.5},{celsius:.2},20\n", last.current_a);
+        for _ in 0..100 {
+            last = battery.step(&mut state, MappedBatteryInput { current_a });
+        }
+    }
+    text
+}
+
+#[test]
+fn compares_every_drive_cycle_of_a_cell() {
+    let sandbox = Sandbox::new();
+    sandbox.write("cells/own.csv", drive_cycle(0.0));
+    sandbox.write("cells/off.csv", drive_cycle(0.05));
+    sandbox.write(
+        "cells/slow.csv",
+        drive_cycle(0.0).lines().step_by(60).collect::<Vec<_>>().join("\n"),
+    );
+    let run = sandbox.run(&["validate", "--cells", "cells", "--json"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let cells = report["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 2, "{}", run.stdout);
+    assert!(report["skipped"][0].as_str().unwrap().starts_with("slow: sampled every"));
+    let (off, own) = (&cells[0], &cells[1]);
+    let of = |row: &Value, name: &str| row[name].as_f64().unwrap();
+    // Its own voltage, but for the delay of the built-in cell's logger at the edges.
+    assert!(of(own, "voltage_rmse_mv") < 5.0, "{own}");
+    assert!((of(off, "voltage_rmse_mv") - 50.0).abs() < 2.0, "{off}");
+    assert!((of(off, "voltage_rmse_mv_above_25_soc") - 50.0).abs() < 2.0, "{off}");
+    assert!(of(own, "temperature_rmse_k") < 0.1, "{own}");
+    let worst = of(&report["summary"], "voltage_rmse_mv_max");
+    assert_eq!(worst, of(off, "voltage_rmse_mv"));
+    let table = sandbox.run(&["validate", "--cells", "cells"]).stdout;
+    assert!(table.contains("own") && table.contains("no drive cycle: slow"), "{table}");
 }

@@ -128,7 +128,10 @@ impl MappedBattery {
             reason = "held in 1..2^31 first"
         )]
         let refresh_steps = clamp(steps + 0.5, 1.0, 2_147_483_648.0) as u32;
-        #[expect(clippy::cast_precision_loss, reason = "a length of time")]
+        #[cfg_attr(
+            not(feature = "twin-f64"),
+            expect(clippy::cast_precision_loss, reason = "a length of time")
+        )]
         let refresh_s = refresh_steps as Real * dt.s();
         let capacity_j_per_k = params.thermal.heat_capacity_j_per_k;
         let cooling_gain = gain(refresh_s / capacity_j_per_k * params.thermal.cooling_w_per_k);

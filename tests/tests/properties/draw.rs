@@ -1,7 +1,10 @@
 //! Parameters, made up around those of a real vehicle: a few per cent or many decades off.
 
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use plant_core::battery::{
+    BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
+    OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+};
 use plant_core::body::{BodyParams, RoadResistance};
 use plant_core::converter::ConverterParams;
 use plant_core::dc_motor::DcMotorParams;
@@ -113,6 +116,58 @@ pub fn battery(d: &mut Draw) -> BatteryParams {
         polarisation: rc_branch(d),
         discharge_limit_a: d.near_or(300.0, Real::INFINITY),
         charge_limit_a: d.near_or(200.0, Real::INFINITY),
+    }
+}
+
+fn over_soc(d: &mut Draw, typical: f64) -> OverSoc {
+    let value = d.near_or(typical, 0.0);
+    if d.seldom() {
+        let points = [(0.0, value), (0.2, 0.5 * value), (1.0, value)];
+        OverSoc::Table(SocTable::from_points("table", &points).expect("finite points"))
+    } else {
+        OverSoc::Constant(value)
+    }
+}
+
+fn branch_map(d: &mut Draw, typical_s: f64) -> BranchMap {
+    BranchMap {
+        resistance_ohm: over_soc(d, 0.03),
+        activation_k: 10_000.0 * d.ratio(),
+        time_constant_s: d.near(typical_s),
+    }
+}
+
+/// A battery with maps, around that of a pack.
+pub fn mapped_battery(d: &mut Draw) -> MappedBatteryParams {
+    let BatteryParams { open_circuit, capacity_ah, discharge_limit_a, charge_limit_a, .. } =
+        battery(d);
+    MappedBatteryParams {
+        capacity_ah,
+        discharge_limit_a,
+        charge_limit_a,
+        refresh_s: d.near(0.1),
+        open_circuit,
+        hysteresis: HysteresisParams {
+            half_gap_v: d.near_or(2.0, 0.0),
+            rate_per_soc: d.near_or(50.0, 0.0),
+        },
+        series: ResistanceMap {
+            resistance_ohm: over_soc(d, 0.1),
+            activation_k: 10_000.0 * d.ratio(),
+        },
+        polarisation: branch_map(d, 20.0),
+        second_polarisation: branch_map(d, 300.0),
+        thermal: ThermalParams {
+            heat_capacity_j_per_k: d.near_or(1e5, Real::INFINITY),
+            cooling_w_per_k: d.near_or(10.0, 0.0),
+            ambient_c: 300.0 * d.ratio() - 100.0,
+        },
+        identified: IdentifiedRange {
+            soc_min: 0.2,
+            soc_max: 0.9,
+            temperature_min_c: -20.0,
+            temperature_max_c: 60.0,
+        },
     }
 }
 

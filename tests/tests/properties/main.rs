@@ -6,6 +6,7 @@
 //! | [`passivity`] | without a source the stored energy never rises |
 //! | [`charge`] | the state of charge stays within 0..1, and every coulomb is booked or refused |
 //! | [`limits`] | a battery limit holds wherever a duty can keep it |
+//! | [`mapped`] | the same of a battery with maps, alone and in the plant |
 //! | [`standstill`] | friction holds a vehicle on a slope exactly, up to its limit |
 //! | [`ledger`] | the energy ledger closes, in `f32` and in its f64 twin |
 //! | [`symmetry`] | mirrored inputs give the mirrored motion, bit for bit |
@@ -30,6 +31,7 @@ mod finite;
 mod finite_plant;
 mod ledger;
 mod limits;
+mod mapped;
 mod monotony;
 mod passivity;
 mod refusal;
