@@ -198,6 +198,7 @@ fn describe(here: &str, there: &str) -> String {
 /// Tools that do not come with Rust, and Debian's packages that hold them.
 const TOOLS: &[(&str, &str)] = &[
     ("qemu-system-arm", "qemu-system-arm"),
+    ("arm-none-eabi-gcc", "gcc-arm-none-eabi"),
     ("arm-none-eabi-nm", "gcc-arm-none-eabi"),
     ("arm-none-eabi-size", "gcc-arm-none-eabi"),
     ("cc", "gcc"),

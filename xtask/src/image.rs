@@ -37,7 +37,7 @@ const OTHERWISE: &[(&str, &[&str])] = &[
 /// Files that only a feature compiles.
 const OPTIONAL: &[&str] = &["num/fast.rs", "num/table_serde.rs"];
 
-fn is_panic(symbol: &str) -> bool {
+pub fn is_panic(symbol: &str) -> bool {
     symbol.contains("core::panicking") || symbol.contains("rust_begin_unwind")
 }
 

@@ -5,6 +5,7 @@
 //! command.
 
 mod args;
+mod capi;
 mod counts;
 mod data;
 mod firmware;

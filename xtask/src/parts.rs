@@ -46,6 +46,11 @@ pub const PARTS: &[Part] = &[
         firmware::bits,
     ),
     part("image", "nothing that panics, allocates or is double is linked", crate::image::image),
+    part(
+        "capi",
+        "the C header is up to date; C gives the same bits here and in QEMU",
+        crate::capi::capi,
+    ),
     part("counts", "what each step costs on target is no more than before", crate::counts::counts),
     part("readme", "the README's figures are those of this code", crate::readme::readme),
 ];

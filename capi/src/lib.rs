@@ -1,0 +1,47 @@
+#![no_std]
+#![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
+//! Voltstep for C: the coupled plant with its drivers, as a static library.
+//!
+//! `include/voltstep.h` is made from these sources by `cargo xtask capi`. This is the only crate
+//! of the project that uses `unsafe`: C hands over raw pointers. Every function checks them (null,
+//! alignment, overlap, whether the object was initialised) before it touches anything, and answers
+//! with a [`VoltstepStatus`]. The caller owns all memory; nothing is allocated, and nothing is
+//! kept between calls.
+
+// Nothing here needs the standard library; on a PC it brings the panic handler that a static
+// library has to have.
+#[cfg(not(target_os = "none"))]
+extern crate std;
+
+mod convert;
+mod handle;
+mod params;
+mod refusals;
+mod status;
+mod step;
+
+pub use handle::{VOLTSTEP_PLANT_WORDS, VOLTSTEP_STATE_WORDS, VoltstepPlant, VoltstepState};
+pub use params::{
+    VOLTSTEP_ABI, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams, VoltstepBatteryModel,
+    VoltstepBatteryParams, VoltstepBodyParams, VoltstepConverterParams, VoltstepDriverKind,
+    VoltstepGearboxParams, VoltstepMotorParams, VoltstepOpenCircuit, VoltstepParams,
+    VoltstepPidParams, VoltstepPreset, VoltstepRoadLaw, VoltstepTorqueParams, VoltstepWheelParams,
+    VoltstepWindup, voltstep_params_preset,
+};
+pub use refusals::voltstep_error_message;
+pub use status::VoltstepStatus;
+pub use step::{
+    VoltstepInputs, VoltstepLimited, VoltstepOutputs, VoltstepSnapshot, VoltstepSum,
+    voltstep_inputs_default, voltstep_plant_init, voltstep_state_init, voltstep_state_snapshot,
+    voltstep_step,
+};
+
+/// What a static library for a microcontroller has to have. No path leads here: the linked image
+/// of the example is searched for panics.
+#[cfg(all(target_os = "none", not(test)))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}

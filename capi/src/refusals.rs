@@ -1,0 +1,194 @@
+//! Which code belongs to which refused parameter, and the words of every code.
+
+use core::ffi::{CStr, c_char};
+
+use plant_core::ParamError;
+
+use crate::status::VoltstepStatus;
+
+/// The rules as `ParamError::message` has them; a test compares.
+macro_rules! rule {
+    (NotPositive) => {
+        "must be finite and between 1e-12 and 1e12"
+    };
+    (Negative) => {
+        "must be finite, zero or above, and at most 1e12"
+    };
+    (NotFinite) => {
+        "must be finite and between -1e12 and 1e12"
+    };
+    (NotALimit) => {
+        "must be at least 1e-12 (infinity: no limit)"
+    };
+    (NotARatio) => {
+        "must lie in 0..1"
+    };
+    (NotAnEfficiency) => {
+        "must lie above 0 and up to 1"
+    };
+    (NotAbove) => {
+        "must lie above the field that limits it from below"
+    };
+    (Decreasing) => {
+        "must not decrease from one entry to the next"
+    };
+}
+
+macro_rules! refusals {
+    ($($status:ident: $rule:ident $field:literal,)+) => {
+        /// The code of each refused parameter.
+        pub(crate) const REFUSALS: &[(VoltstepStatus, ParamError)] =
+            &[$((VoltstepStatus::$status, ParamError::$rule($field)),)+];
+
+        /// `field rule`, for C.
+        const fn refusal_text(code: u32) -> Option<&'static [u8]> {
+            match code {
+                $(code if code == VoltstepStatus::$status as u32 => {
+                    Some(concat!($field, " ", rule!($rule), "\0").as_bytes())
+                })+
+                _ => None,
+            }
+        }
+    };
+}
+
+refusals! {
+    DtS: NotPositive "dt_s",
+    Soc: NotARatio "soc",
+    SpeedMS: NotFinite "speed_m_s",
+    BatteryCapacityAh: NotPositive "battery.capacity_ah",
+    BatterySeriesResistanceOhm: NotPositive "battery.series_resistance_ohm",
+    BatteryPolarisationResistanceOhm: NotPositive "battery.polarisation.resistance_ohm",
+    BatteryPolarisationCapacitanceF: NotPositive "battery.polarisation.capacitance_f",
+    BatteryDischargeLimitA: NotALimit "battery.discharge_limit_a",
+    BatteryChargeLimitA: NotALimit "battery.charge_limit_a",
+    BatteryEmptyV: NotFinite "battery.open_circuit.linear.empty_v",
+    BatteryFullV: NotFinite "battery.open_circuit.linear.full_v",
+    BatteryFullVDecreasing: Decreasing "battery.open_circuit.linear.full_v",
+    BatteryTableV: NotFinite "battery.open_circuit.table",
+    BatteryTableVDecreasing: Decreasing "battery.open_circuit.table",
+    AuxiliaryPowerW: Negative "auxiliary.power_w",
+    AuxiliaryResistanceOhm: NotALimit "auxiliary.resistance_ohm",
+    AuxiliaryCutOutV: NotALimit "auxiliary.cut_out_v",
+    ConverterDutyLimit: NotALimit "converter.duty_limit",
+    ConverterConstantLossW: Negative "converter.constant_loss_w",
+    ConverterVoltageDropV: Negative "converter.voltage_drop_v",
+    ConverterResistanceOhm: Negative "converter.resistance_ohm",
+    MotorResistanceOhm: NotPositive "motor.resistance_ohm",
+    MotorInductanceH: NotPositive "motor.inductance_h",
+    MotorBackEmf: NotPositive "motor.back_emf_v_s_per_rad",
+    MotorTorquePerA: NotPositive "motor.torque_nm_per_a",
+    MotorInertia: NotPositive "motor.inertia_kg_m2",
+    MotorViscous: Negative "motor.viscous_nm_s_per_rad",
+    MotorCoulombNm: Negative "motor.coulomb_nm",
+    GearboxRatio: NotPositive "gearbox.ratio",
+    GearboxEfficiency: NotAnEfficiency "gearbox.efficiency",
+    GearboxInertia: Negative "gearbox.inertia_kg_m2",
+    WheelRadiusM: NotPositive "wheel.radius_m",
+    WheelInertia: Negative "wheel.inertia_kg_m2",
+    WheelViscous: Negative "wheel.viscous_nm_s_per_rad",
+    BodyMassKg: NotPositive "body.mass_kg",
+    BodyDragCoefficient: Negative "body.resistance.drag_coefficient",
+    BodyFrontalAreaM2: Negative "body.resistance.frontal_area_m2",
+    BodyAirDensity: Negative "body.resistance.air_density_kg_m3",
+    BodyRollingCoefficient: Negative "body.resistance.rolling_coefficient",
+    BodyAN: Negative "body.resistance.a_n",
+    BodyBNSPerM: Negative "body.resistance.b_n_s_per_m",
+    BodyCNS2PerM2: Negative "body.resistance.c_n_s2_per_m2",
+    PidProportional: NotFinite "pid.proportional",
+    PidIntegralPerS: Negative "pid.integral_per_s",
+    PidDerivativeS: Negative "pid.derivative_s",
+    PidDerivativeFilterS: Negative "pid.derivative_filter_s",
+    PidDeadZone: Negative "pid.dead_zone",
+    PidOutputMin: NotAbove "pid.output_min",
+    PidOutputMax: NotAbove "pid.output_max",
+    PidSmoothingPerS: NotALimit "pid.smoothing_per_s",
+    TorquePeakTorqueNm: NotALimit "driver.torque.peak_torque_nm",
+    TorquePeakPowerW: NotALimit "driver.torque.peak_power_w",
+    TorqueRegenTorqueNm: Negative "driver.torque.regen_torque_nm",
+    TorqueRegenPowerW: NotALimit "driver.torque.regen_power_w",
+    TorqueRegenFadeMS: NotPositive "driver.torque.regen_fade_m_s",
+    TorqueRegenFadeSoc: NotPositive "driver.torque.regen_fade_soc",
+    TorqueBrakeLimitN: NotPositive "driver.torque.brake_limit_n",
+    TorqueCurrentRatePerS: NotPositive "driver.torque.current_rate_per_s",
+}
+
+/// The words of the codes that are no parameters.
+const OTHERS: &[(VoltstepStatus, &CStr)] = &[
+    (VoltstepStatus::Ok, c"ok"),
+    (VoltstepStatus::NullPointer, c"a pointer is null"),
+    (VoltstepStatus::Misaligned, c"a pointer is not aligned as its type demands"),
+    (VoltstepStatus::Overlap, c"plant and state share memory"),
+    (VoltstepStatus::PlantNotInitialised, c"the plant was not initialised"),
+    (VoltstepStatus::StateNotInitialised, c"the state was not initialised"),
+    (
+        VoltstepStatus::AbiMismatch,
+        c"abi is not VOLTSTEP_ABI: not set, or header and library differ",
+    ),
+    (
+        VoltstepStatus::InputRejected,
+        c"an input was not finite or absurd; what refused it left its state as it was",
+    ),
+    (VoltstepStatus::UnknownPreset, c"preset must be one of VoltstepPreset"),
+    (VoltstepStatus::UnknownBatteryModel, c"battery.model must be one of VoltstepBatteryModel"),
+    (
+        VoltstepStatus::UnknownOpenCircuit,
+        c"battery.open_circuit must be one of VoltstepOpenCircuit",
+    ),
+    (VoltstepStatus::UnknownRoadLaw, c"body.road_law must be one of VoltstepRoadLaw"),
+    (VoltstepStatus::UnknownDriver, c"driver must be one of VoltstepDriverKind"),
+    (VoltstepStatus::UnknownWindup, c"pid.anti_windup must be one of VoltstepWindup"),
+    (VoltstepStatus::Parameter, c"a parameter is out of range"),
+];
+
+/// The code of a refused parameter.
+pub(crate) fn status(error: ParamError) -> VoltstepStatus {
+    REFUSALS
+        .iter()
+        .find(|(_, known)| *known == error)
+        .map_or(VoltstepStatus::Parameter, |(status, _)| *status)
+}
+
+/// The words of a code: for a parameter, its field and the rule that it broke. The text is static
+/// and ends with a zero; for a number that is no code it is "unknown code". Never null.
+#[unsafe(no_mangle)]
+pub extern "C" fn voltstep_error_message(code: u32) -> *const c_char {
+    let other = OTHERS.iter().find(|(status, _)| *status as u32 == code).map(|(_, text)| *text);
+    let refusal = || CStr::from_bytes_with_nul(refusal_text(code)?).ok();
+    other.or_else(refusal).unwrap_or(c"unknown code").as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::format;
+
+    fn words(code: u32) -> &'static str {
+        // SAFETY: every message is a static text that ends with a zero.
+        unsafe { CStr::from_ptr(voltstep_error_message(code)) }.to_str().unwrap()
+    }
+
+    #[test]
+    fn the_words_are_those_of_the_models() {
+        for (code, error) in REFUSALS {
+            assert_eq!(words(*code as u32), format!("{error}"));
+            assert_eq!(status(*error), *code);
+        }
+    }
+
+    #[test]
+    fn codes_are_unique_and_others_are_unknown() {
+        let mut codes: std::vec::Vec<u32> = REFUSALS.iter().map(|(code, _)| *code as u32).collect();
+        codes.extend(OTHERS.iter().map(|(code, _)| *code as u32));
+        let count = codes.len();
+        codes.sort_unstable();
+        codes.dedup();
+        assert_eq!(codes.len(), count);
+        for code in 0..300 {
+            assert_eq!(words(code) == "unknown code", !codes.contains(&code), "{code}");
+        }
+        assert_eq!(words(u32::MAX), "unknown code");
+        assert_eq!(status(ParamError::NotPositive("no.such_field")), VoltstepStatus::Parameter);
+    }
+}

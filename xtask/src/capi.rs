@@ -1,0 +1,179 @@
+//! The C interface: its header is up to date, and a C program on it gives the golden bits, on this
+//! machine and on a Cortex-M4F in QEMU.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+
+use crate::firmware::{TARGET, root};
+use crate::image::is_panic;
+use crate::metadata::Metadata;
+use crate::shell::{cargo, output, program, run};
+
+const CRATE: &str = "capi";
+const PACKAGE: &str = "voltstep-capi";
+const LIBRARY: &str = "libvoltstep_capi.a";
+const HEADER: &str = "capi/include/voltstep.h";
+const GOLDEN: &str = "firmware-example/golden.toml";
+const CYCLE: &str = "data/cycles/udds.csv";
+/// The example, and what goes with it here and on target.
+const EXAMPLE: &str = "capi/example/main.c";
+const HERE: &str = "capi/example/host.c";
+/// Reset and memory map of a C program in QEMU.
+pub const STARTUP: &str = "capi/example/mps2.c";
+const MAP: &str = "capi/example/mps2.ld";
+
+const WARNINGS: &[&str] = &["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic"];
+/// A fused multiply-add rounds differently where it is not in hardware.
+const SAME_BITS: &str = "-ffp-contract=off";
+/// The compiler's words for the Cortex-M4F.
+pub const CORTEX_M4F: &[&str] =
+    &["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];
+
+/// Header, library, example, here and on target.
+pub fn capi() -> Result<()> {
+    header()?;
+    let folder = folder()?;
+    let golden = fs::read_to_string(root().join(GOLDEN)).context(GOLDEN)?;
+    for said in [here(&folder)?, on_target(&folder)?] {
+        compare(&said, &golden)?;
+    }
+    Ok(())
+}
+
+/// Makes the header anew; fails where it was not up to date, so that a stale one cannot pass.
+fn header() -> Result<()> {
+    let path = root().join(CRATE);
+    let config = cbindgen::Config::from_file(path.join("cbindgen.toml"))
+        .map_err(|error| anyhow::anyhow!("cbindgen.toml: {error}"))?;
+    let mut made = Vec::new();
+    cbindgen::Builder::new().with_crate(&path).with_config(config).generate()?.write(&mut made);
+    let old = fs::read(root().join(HEADER)).unwrap_or_default();
+    if made != old {
+        fs::write(root().join(HEADER), made).context(HEADER)?;
+    }
+    let old = String::from_utf8_lossy(&old).into_owned();
+    let new = fs::read_to_string(root().join(HEADER)).context(HEADER)?;
+    ensure!(new == old, "{HEADER} was out of date; it is brought up to date now: commit it");
+    // As a C++ compiler sees it.
+    run(program("cc").args(["-x", "c++", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", HEADER]))
+}
+
+/// Where C programs are built, with the cycle as a header in it.
+pub fn folder() -> Result<PathBuf> {
+    let folder = Metadata::load()?.target_directory()?.join("xtask-capi");
+    fs::create_dir_all(&folder)?;
+    let csv = fs::read_to_string(root().join(CYCLE)).context(CYCLE)?;
+    fs::write(folder.join("udds.h"), table(&csv)?)?;
+    Ok(folder)
+}
+
+/// A cycle as a table in C.
+fn table(csv: &str) -> Result<String> {
+    let mut text = format!("/* Made from {CYCLE}. */\nstatic const float UDDS[][2] = {{\n");
+    for line in csv.lines().skip(1) {
+        let (time, speed) =
+            line.split_once(',').with_context(|| format!("cannot read `{line}`"))?;
+        let (time, speed): (f32, f32) = (time.trim().parse()?, speed.trim().parse()?);
+        // The shortest text that reads back as the same bits.
+        writeln!(text, "    {{ {time:?}f, {speed:?}f }},")?;
+    }
+    text.push_str("};\n");
+    Ok(text)
+}
+
+/// The library built for a target, or for this machine.
+fn library(target: Option<&str>) -> Result<PathBuf> {
+    let mut command = cargo();
+    command.args(["build", "--quiet", "--release", "-p", PACKAGE]);
+    let folder = Metadata::load()?.target_directory()?;
+    let folder = match target {
+        Some(target) => {
+            command.args(["--target", target]);
+            folder.join(target)
+        }
+        None => folder,
+    };
+    run(&mut command)?;
+    Ok(folder.join("release").join(LIBRARY))
+}
+
+fn here(folder: &Path) -> Result<String> {
+    let binary = folder.join("example");
+    run(program("cc")
+        .args(WARNINGS)
+        .args(["-O2", SAME_BITS, "-Icapi/include", "-I"])
+        .arg(folder)
+        .args([EXAMPLE, HERE])
+        .arg(library(None)?)
+        .args(["-lpthread", "-ldl", "-lm", "-o"])
+        .arg(&binary))?;
+    output(&mut program(&binary.to_string_lossy()))
+}
+
+fn on_target(folder: &Path) -> Result<String> {
+    let elf = folder.join("example.elf");
+    run(program("arm-none-eabi-gcc")
+        .args(WARNINGS)
+        .args(CORTEX_M4F)
+        .args(["-O2", SAME_BITS, "-ffunction-sections", "-Wl,--gc-sections"])
+        .args(["-Icapi/include", "-I"])
+        .arg(folder)
+        .args([EXAMPLE, STARTUP])
+        .arg(library(Some(TARGET))?)
+        .args(["-nostdlib", "-lgcc", "-Wl,-z,noexecstack", "-T", MAP, "-o"])
+        .arg(&elf))?;
+    let symbols = output(program("arm-none-eabi-nm").arg("-C").arg(&elf))?;
+    let panics: Vec<_> = symbols.lines().filter(|line| is_panic(line)).collect();
+    ensure!(panics.is_empty(), "the example links a panic: {panics:?}");
+    qemu(&elf, &[])
+}
+
+/// Runs an image in QEMU.
+pub fn qemu(elf: &Path, more: &[String]) -> Result<String> {
+    output(
+        program("timeout")
+            .args(["300", "qemu-system-arm", "-cpu", "cortex-m4", "-machine", "mps2-an386"])
+            .args(["-nographic", "-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(elf)
+            .args(more),
+    )
+}
+
+/// Every `NAME hash HASH` that a program said is that of the golden file, and none is missing.
+fn compare(said: &str, golden: &str) -> Result<()> {
+    let mut sections = 0;
+    for section in golden.split("\n[").skip(1) {
+        let (name, rest) = section.split_once(']').context("a section has no end")?;
+        let hash = rest.split('"').nth(1).context("a section has no hash")?;
+        let wanted = format!("{name} hash {hash}");
+        ensure!(said.lines().any(|line| line == wanted), "wanted `{wanted}`, found:\n{said}");
+        println!("{wanted}");
+        sections += 1;
+    }
+    ensure!(sections > 0, "{GOLDEN} has no sections");
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_compared() {
+        let golden = "# text\n\n[a]\nhash = \"01\"\nsoc = \"0.5\"\n\n[b]\nhash = \"02\"\n";
+        assert!(compare("a hash 01\nb hash 02\n", golden).is_ok());
+        assert!(compare("a hash 01\nb hash 03\n", golden).is_err());
+        assert!(compare("a hash 01\n", golden).is_err());
+        assert!(compare("a hash 01\n", "").is_err());
+    }
+
+    #[test]
+    fn a_cycle_becomes_a_table() {
+        let text = table("time_s,speed_m_s\n0,0\n1, 0.1\n").unwrap();
+        assert!(text.contains("{ 0.0f, 0.0f },\n    { 1.0f, 0.1f },"), "{text}");
+        assert!(table("time_s\n0\n").is_err());
+    }
+}
