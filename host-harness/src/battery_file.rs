@@ -121,6 +121,16 @@ mod tests {
         assert_eq!(found, names().collect::<Vec<_>>());
     }
 
+    /// To the bit: a polyline in the file and one in the source end on the same grid.
+    #[test]
+    fn built_in_batteries_are_the_presets() {
+        use plant_core::presets::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
+        let [pack, cell] =
+            ["bmw-i3-60ah", "panasonic-ncr18650pf"].map(|n| load(n).unwrap().battery);
+        assert_eq!(pack, BMW_I3_60AH_PACK);
+        assert_eq!(cell, PANASONIC_NCR18650PF);
+    }
+
     #[test]
     fn says_where_a_file_is_wrong() {
         let (_, text) = BUILT_IN[1];

@@ -2,6 +2,10 @@
 //!
 //! `voltstep` reads the same vehicles from `data/vehicles/*.toml`; a test keeps the two equal.
 
+mod batteries;
+
+pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
+
 use crate::auxiliary::AuxiliaryParams;
 use crate::battery::{BatteryParams, OpenCircuit, RcBranchParams};
 use crate::body::{BodyParams, RoadResistance};

@@ -8,12 +8,23 @@ use plant_core::battery::{
 use plant_core::num::SocTable;
 use plant_core::{Dt, Real};
 
+use anyhow::Context;
+
 use super::adaptive::{Clock, System, integrate};
 use super::tolerance as t;
 use super::{Case, Checks};
+use crate::route::Route;
+use crate::run::Run;
+use crate::{cycle, run, vehicle};
 
-pub(super) const CASES: [Case; 1] =
-    [Case { name: "battery with maps", models: &["MappedBattery"], run: maps }];
+pub(super) const CASES: [Case; 2] = [
+    Case { name: "battery with maps", models: &["MappedBattery"], run: maps },
+    Case {
+        name: "UDDS, bmw-i3-60ah with its battery map",
+        models: &["Powertrain", "Driver", "MappedBattery"],
+        run: in_the_plant,
+    },
+];
 
 /// A point of a polyline: state of charge, value.
 type Points = &'static [(Real, Real)];
@@ -140,5 +151,22 @@ fn maps(checks: &mut Checks) -> anyhow::Result<()> {
     checks.against(&t::MAP_SOC, y[0], f64::from(state.soc.get()));
     checks.add(&t::MAP_VOLTAGE, voltage);
     checks.add(&t::MAP_TEMPERATURE, temperature);
+    Ok(())
+}
+
+/// The battery's map in the coupled plant: the books close, and a tenth of the step changes little.
+fn in_the_plant(checks: &mut Checks) -> anyhow::Result<()> {
+    let vehicle = vehicle::load("bmw-i3-60ah")?;
+    anyhow::ensure!(vehicle.battery_map.is_some(), "no battery map");
+    let route = Route::of_cycle(&cycle::by_name("udds").context("no UDDS")?);
+    let run = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, false);
+    let (coarse, fine) = rayon::join(|| run(1e-3), || run(1e-4));
+    let (coarse, fine) = (coarse?, fine?);
+    let soc = |run: &Run| run.trace.last().map_or(f64::NAN, |row| f64::from(row.soc));
+    checks.against(&t::MAP_PLANT_SOC, soc(&fine), soc(&coarse));
+    let [coarse, fine] = [coarse, fine].map(|run| run.energy);
+    let coarse = coarse.context("no ledger")?;
+    checks.ledger(&coarse, &t::MAP_PLANT_NUMERICAL);
+    checks.add(&t::LEDGER, f64::from(fine.context("no ledger")?.residual_rel()));
     Ok(())
 }

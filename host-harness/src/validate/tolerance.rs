@@ -337,6 +337,11 @@ pub const MAP_VOLTAGE: Bound =
 pub const MAP_TEMPERATURE: Bound =
     Bound::new("temperature, largest difference [K]", None, AtMost(0.05), ADAPTIVE, REFRESH);
 
+/// The map in the coupled plant, 1 ms against 0.1 ms.
+pub const MAP_PLANT_SOC: Bound =
+    Bound::new("SOC at the end", None, Absolute(2e-5), "step of 0.1 ms", FIRST_ORDER);
+pub const MAP_PLANT_NUMERICAL: Bound = NUMERICAL_1MS;
+
 const REFRESH: &str =
     "first order in the refresh of 1 s: a tenth of it gives a tenth (6e-4 V, 2e-3 K)";
 
