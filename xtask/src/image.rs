@@ -31,7 +31,8 @@ const CHECKS: &[Check] = &[
 const NOT_FOR_TARGET: &[&str] = &["ParamError::text", "ErrorText::as_str"];
 /// Types that the list names otherwise: by an alias or, made by a macro, by each of its names.
 const OTHERWISE: &[(&str, &[&str])] = &[
-    ("Powertrain", &["Powertrain", "Plain", "Ledgered"]),
+    ("Powertrain", &["Powertrain", "Plain", "Ledgered", "Mapped", "MappedLedgered"]),
+    ("PowertrainParams", &["WithBattery"]),
     ("$sensor", &["VoltageSensor", "CurrentSensor"]),
 ];
 /// Files that only a feature compiles.

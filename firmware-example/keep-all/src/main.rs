@@ -9,7 +9,10 @@ use core::hint::black_box;
 use cortex_m_rt::entry;
 use panic_halt as _;
 use plant_core::auxiliary::Auxiliary;
-use plant_core::battery::{Battery, BatteryState, OpenCircuit, RcBranch};
+use plant_core::battery::{
+    Battery, BatteryParams, BatteryState, BranchMap, IdentifiedRange, MappedBattery,
+    MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
+};
 use plant_core::body::{Body, Resistance};
 use plant_core::converter::Converter;
 use plant_core::dc_motor::{CurrentLaw, DcMotor, Winding};
@@ -19,7 +22,7 @@ use plant_core::gearbox::Gearbox;
 use plant_core::num::{self, SocTable};
 use plant_core::pid::{Pid, PidState};
 use plant_core::port::{self, Coast, Slip, Source};
-use plant_core::powertrain::Powertrain;
+use plant_core::powertrain::{Powertrain, PowertrainParams};
 use plant_core::rotational::{Axis, RotationalLoad};
 use plant_core::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
 use plant_core::slope::{Grade, Slope, SlopeState};
@@ -29,6 +32,9 @@ use plant_core::{Accum, Dt, ParamError};
 
 type Plain = Powertrain<NoLedger>;
 type Ledgered = Powertrain<EnergyLedger>;
+type WithBattery = PowertrainParams<BatteryParams>;
+type Mapped = Powertrain<NoLedger, MappedBattery>;
+type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 
 /// Keeps functions that the linker would drop.
 macro_rules! keep {
@@ -53,6 +59,14 @@ fn components() {
         BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::next,
         Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,
         Battery::is_depleted, Battery::is_full, Battery::step,
+        MappedBattery::new, MappedBattery::rested, MappedBattery::rested_at,
+        MappedBattery::params, MappedBattery::resistances, MappedBattery::set_temperature,
+        MappedBattery::offer, MappedBattery::limits, MappedBattery::next, MappedBattery::allows,
+        MappedBattery::settle, MappedBattery::refresh, MappedBattery::open_circuit,
+        MappedBattery::step, <Battery as Pack>::losses, <MappedBattery as Pack>::losses,
+        <MappedBattery as Pack>::discharged_energy_j,
+        OverSoc::at, ResistanceMap::at, BranchMap::at, BranchMap::resistance,
+        IdentifiedRange::holds, IdentifiedRange::nearest_c,
         OpenCircuit::at, OpenCircuit::mean, RcBranch::new, RcBranch::step,
         Resistance::solve, Body::new, Body::coast, Body::resistance, Body::settle, Body::step,
         Converter::new, Converter::allowed_duty, Converter::series_ohm, Converter::shunt_s,
@@ -75,7 +89,9 @@ fn drive() {
         Driver::new, Driver::step, TorqueDriver::new, TorqueDriver::step,
         PidState::integral, PidState::output, PidState::reset,
         Pid::new, Pid::preload, Pid::feed_back, Pid::saturate, Pid::step,
-        Powertrain::new, Powertrain::with_ledger, Powertrain::energy,
+        Plain::new, Powertrain::with_ledger, Ledgered::energy, WithBattery::with_battery::<MappedBatteryParams>,
+        Powertrain::mapped, Powertrain::mapped_with_ledger, Mapped::at_speed, Mapped::step,
+        MappedLedgered::step, MappedLedgered::energy,
         Plain::at_rest, Plain::at_speed, Plain::feedback, Plain::battery, Plain::motor_rad_per_m,
         Plain::moving_mass_kg, Plain::step, Ledgered::at_rest, Ledgered::at_speed,
         Ledgered::step,
@@ -92,7 +108,7 @@ fn numbers() {
         ParamError::field, ParamError::message, Dt::from_s, Dt::s,
         Accum::new, Accum::get, Accum::add, Accum::since, Accum::add_sum, Accum::scaled,
         num::max, num::min, num::clamp, num::sane, num::sound, num::sign, num::lag_gain, num::sqrt,
-        num::floor, num::wrap_turns, num::sin_cos_turns,
+        num::exp, num::floor, num::wrap_turns, num::sin_cos_turns,
         SocTable::new, SocTable::from_points, SocTable::at, SocTable::mean, SocTable::values,
         SocTable::is_monotone,
         Source::stiff, Source::voltage_v, Source::loaded, Coast::plus, Coast::reflected,

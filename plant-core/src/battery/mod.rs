@@ -206,7 +206,8 @@ impl Battery {
     }
 
     /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
-    #[inline]
+    // A call, though rare, would keep the state out of registers in every step of the plant.
+    #[inline(always)]
     pub const fn settle(&self, state: &mut BatteryState, current_a: Real) {
         *state = self.next(state, current_a);
         // Only the last bit can lie outside: the limits saw to the rest.
