@@ -4,6 +4,8 @@
 //! the functions here do not. Every function gives the same bits on every machine.
 
 mod accum;
+#[cfg(not(feature = "twin-f64"))]
+mod root;
 mod table;
 #[cfg(feature = "serde")]
 mod table_serde;
@@ -99,12 +101,12 @@ pub const fn lag_gain(steps: Real) -> Real {
     steps / (1.0 + steps)
 }
 
-/// Square root.
+/// Square root, correctly rounded.
 #[inline]
 #[must_use]
 pub fn sqrt(x: Real) -> Real {
     #[cfg(not(feature = "twin-f64"))]
-    return libm::sqrtf(x);
+    return root::sqrt(x);
     #[cfg(feature = "twin-f64")]
     return libm::sqrt(x);
 }

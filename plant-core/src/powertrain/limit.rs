@@ -1,84 +1,72 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
 
-use super::{Limited, Loads, Powertrain, Solution, Start};
-use crate::battery::{CurrentLimits, Pack};
+use super::{Limited, Powertrain, PowertrainInput, PowertrainState, Solution, Start};
+use crate::battery::Pack;
 use crate::energy::Book;
 use crate::num::{Real, max, sqrt};
-use crate::port::{Slip, Source};
+use crate::port::Slip;
 
 /// How often the friction mode may change while the duty is sought; there are three modes.
 const TRIES: u32 = 3;
 
 /// A step that keeps the battery's limits.
 pub(super) struct Held {
-    pub start: Start,
     pub solution: Solution,
     pub limited: Limited,
     pub starved: bool,
 }
 
 impl<L: Book, B: Pack> Powertrain<L, B> {
-    /// A step that keeps the battery's limits: the auxiliary loads are cut off if it cannot feed
-    /// even them, then the duty is held back.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn hold_limits(
-        &self,
-        mut start: Start,
-        source: Source,
-        limits: CurrentLimits,
-        commanded: Solution,
-    ) -> Held {
-        let mut solution = commanded;
-        let starved = limits.discharge_a < start.loads.current_a(start.bus.emf_v);
-        if starved {
-            start.loads = Loads { any: true, ..Loads::default() };
-            start.bus = source;
-            solution = self.solve_again(&start, commanded.duty);
-        }
-        let charging = solution.battery_a < -limits.charge_a;
-        let limited = if charging {
-            Limited::Charge
-        } else if solution.battery_a > limits.discharge_a {
-            Limited::Discharge
-        } else {
-            return Held { start, solution, limited: Limited::No, starved };
-        };
-        // What is left for the drive when the battery is at its limit.
-        let battery_a = if charging { -limits.charge_a } else { limits.discharge_a };
-        let left_a = battery_a - start.loads.current_a(source.voltage_v(battery_a));
-        let allowed_a = if charging { left_a } else { max(left_a, 0.0) };
-        let solution = self.hold_drive(&start, solution, allowed_a);
-        Held { start, solution, limited, starved }
-    }
-
-    /// The hot path's solution once more; not inlined, to save flash.
-    #[inline(never)]
-    fn solve_again(&self, start: &Start, duty: Real) -> Solution {
-        self.solve(start, duty)
-    }
-
-    /// The step at whose duty the drive draws `allowed_a`.
+    /// The step again, so that the limits are kept: the auxiliary loads are cut off if the battery
+    /// cannot feed even them, then the duty is held back.
+    ///
+    /// It works out for itself where the step starts from. To be handed that would have every step
+    /// keep it in memory, for the sake of the few that come here.
     ///
     /// Within a friction mode (forward, backward, stuck) the current is
     /// `i = (β + D·E)/(ρ + D²·R)`, so `D·i = I` is a quadratic in D. Its root can change the mode,
     /// so it is solved again in the mode found.
-    fn hold_drive(&self, start: &Start, commanded: Solution, allowed_a: Real) -> Solution {
-        let mut solution = commanded;
-        let mut tries = 0;
-        while tries < TRIES {
-            let slip = solution.motion.slip;
-            let root = self.drive(start, slip).drawing(allowed_a, commanded.duty);
-            solution = self.solve_again(start, self.converter.allowed_duty(root));
-            if solution.motion.slip == slip {
-                break;
-            }
-            tries += 1;
+    #[cold]
+    #[inline(never)]
+    pub(super) fn hold_limits(
+        &self,
+        state: &PowertrainState<L, B::State>,
+        input: &PowertrainInput,
+    ) -> Held {
+        let limits = self.battery.limits(&state.battery);
+        let (mut start, source, _) = self.start(state, input);
+        let commanded = self.converter.allowed_duty(input.duty);
+        let starved = limits.discharge_a < start.loads.current_a(start.bus.emf_v);
+        if starved {
+            start.starve(source);
         }
-        solution
+        let (mut duty, mut limited, mut tries) = (commanded, Limited::No, 0);
+        let (mut sought, mut allowed_a) = (Slip::Stuck, 0.0);
+        loop {
+            let solution = self.solve(&start, duty);
+            let slip = solution.motion.slip;
+            if limited == Limited::No {
+                // What is left for the drive when the battery is at its limit.
+                let left_a =
+                    |battery_a| battery_a - start.loads.current_a(source.voltage_v(battery_a));
+                (limited, allowed_a) = if solution.battery_a < -limits.charge_a {
+                    (Limited::Charge, left_a(-limits.charge_a))
+                } else if solution.battery_a > limits.discharge_a {
+                    (Limited::Discharge, max(left_a(limits.discharge_a), 0.0))
+                } else {
+                    return Held { solution, limited, starved };
+                };
+            } else if slip == sought || tries == TRIES {
+                return Held { solution, limited, starved };
+            }
+            (sought, tries) = (slip, tries + 1);
+            let root = self.drive(&start, slip).drawing(allowed_a, commanded);
+            duty = self.converter.allowed_duty(root);
+        }
     }
 
     /// The drive in one friction mode.
+    #[inline(always)]
     fn drive(&self, start: &Start, slip: Slip) -> DutyLaw {
         let winding = &self.winding;
         let mut law = DutyLaw {
@@ -109,8 +97,9 @@ impl DutyLaw {
     /// The root of `(E − R·I)·D² + β·D − ρ·I = 0` that lies on the way from `commanded` to no
     /// battery current: towards 0 when discharging, towards back-EMF when charging (lowering the
     /// duty there would raise the current).
-    fn drawing(&self, allowed_a: Real, commanded: Real) -> Real {
-        let Self { emf_v, source_ohm, beta_v, rho_ohm } = *self;
+    #[inline(always)]
+    fn drawing(self, allowed_a: Real, commanded: Real) -> Real {
+        let Self { emf_v, source_ohm, beta_v, rho_ohm } = self;
         let a = emf_v - source_ohm * allowed_a;
         let discriminant = beta_v * beta_v + 4.0 * a * rho_ohm * allowed_a;
         if discriminant < 0.0 {

@@ -154,6 +154,14 @@ struct Start {
     resistance: Resistance,
 }
 
+impl Start {
+    /// Cuts the auxiliary loads off.
+    const fn starve(&mut self, source: Source) {
+        self.loads = Loads { any: true, constant_a: 0.0, resistor_s: 0.0, converter_s: 0.0 };
+        self.bus = source;
+    }
+}
+
 /// What one duty leads to.
 #[derive(Clone, Copy)]
 struct Solution {
@@ -339,6 +347,35 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         }
     }
 
+    /// Down the chain: what the terminals offer, what the auxiliary loads leave of it, what resists.
+    /// Also the terminals themselves, and the open-circuit voltage \[V\].
+    #[inline(always)]
+    fn start(
+        &self,
+        state: &PowertrainState<L, B::State>,
+        input: &PowertrainInput,
+    ) -> (Start, Source, Real) {
+        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
+        let (source, open_circuit_v) = self.battery.offer(&state.battery);
+        let mut resistance = self.body.resistance(&input.road, self.coast, v);
+        resistance.friction_n += self.gear_loss_n_per_a * i.abs();
+        let mut start = Start {
+            speed_m_s: v,
+            current_a: i,
+            loads: Loads::default(),
+            bus: source,
+            converter_ohm: 0.0,
+            resistance,
+        };
+        if !self.plain || input.auxiliary_w > 0.0 {
+            start.loads = self.loads(input.auxiliary_w, state.battery_v);
+            start.bus = source
+                .loaded(start.loads.constant_a, start.loads.resistor_s + start.loads.converter_s);
+            start.converter_ohm = self.converter.series_ohm(i);
+        }
+        (start, source, open_circuit_v)
+    }
+
     /// What one duty leads to: down the chain, one equation, and back to the currents.
     #[inline(always)]
     fn solve(&self, start: &Start, duty: Real) -> Solution {
@@ -363,35 +400,20 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         input: PowertrainInput,
     ) -> PowertrainOutput {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
-
-        // Down: what the terminals offer, what the auxiliary loads leave of it, what resists.
-        let (source, open_circuit_v) = self.battery.offer(&state.battery);
-        let mut resistance = self.body.resistance(&input.road, self.coast, v);
-        resistance.friction_n += self.gear_loss_n_per_a * i.abs();
-        let mut start = Start {
-            speed_m_s: v,
-            current_a: i,
-            loads: Loads::default(),
-            bus: source,
-            converter_ohm: 0.0,
-            resistance,
-        };
-        if !self.plain || input.auxiliary_w > 0.0 {
-            start.loads = self.loads(input.auxiliary_w, state.battery_v);
-            start.bus = source
-                .loaded(start.loads.constant_a, start.loads.resistor_s + start.loads.converter_s);
-            start.converter_ohm = self.converter.series_ohm(i);
-        }
+        let (mut start, source, open_circuit_v) = self.start(state, &input);
         let mut solution = self.solve(&start, self.converter.allowed_duty(input.duty));
         let mut battery = self.battery.next(&state.battery, solution.battery_a);
         let (mut limited, mut starved) = (Limited::No, false);
         if !self.battery.allows(solution.battery_a, &battery) {
-            let held =
-                self.hold_limits(start, source, self.battery.limits(&state.battery), solution);
-            (limited, starved) = (held.limited, held.starved);
-            (start, solution) = (held.start, held.solution);
-            battery = state.battery;
-            self.battery.settle(&mut battery, solution.battery_a);
+            let held = self.hold_limits(state, &{ input });
+            (solution, limited, starved) = (held.solution, held.limited, held.starved);
+            if starved {
+                start.starve(source);
+            }
+            // In a place of its own: what is lent to a call lies in memory, in every step.
+            let mut settled = state.battery;
+            self.battery.settle(&mut settled, solution.battery_a);
+            battery = settled;
         }
 
         // One check of what could pass unseen (a standstill swallows it) and of what is about to
