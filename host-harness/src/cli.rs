@@ -72,6 +72,8 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Print what the length of a step costs in accuracy, as a Markdown table
+    Steps,
     /// Run a battery through ten years of driving and charging in steps of 1 s; exit code 1 where
     /// the charge does not balance
     Endurance {
@@ -146,6 +148,10 @@ fn run(command: Command) -> anyhow::Result<bool> {
             let report = validate::endurance::run(years, true)?;
             print(&if json { report.to_json()? } else { report.text() })?;
             Ok(report.is_good())
+        }
+        Command::Steps => {
+            print(&validate::step_sizes()?)?;
+            Ok(true)
         }
         Command::List => {
             print(&crate::table::list())?;

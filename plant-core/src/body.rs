@@ -294,6 +294,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn reaches_the_speed_where_drag_and_rolling_balance_the_force() {
         let (b, mut s) = (body(CAR, 0.01), BodyState::default());
         for _ in 0..100_000 {
@@ -326,6 +327,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn holds_on_a_slope_below_the_rolling_limit_and_rolls_above_it() {
         for (percent, holds) in [(0.89, true), (-0.89, true), (0.91, false), (-0.91, false)] {
             let (b, mut s) = (body(CAR, 0.001), BodyState::default());

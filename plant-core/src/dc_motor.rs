@@ -325,6 +325,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn generates_on_an_imposed_speed() {
         let (m, mut s) = (motor(MOTOR_PASEK, 1e-4), DcMotorState::default());
         let input = DcMotorSpeedInput { voltage_v: 0.0, speed_rad_s: 100.0 };
@@ -340,6 +341,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn stands_still_until_the_torque_exceeds_the_static_torque() {
         let (m, mut s) = (motor(MOTOR_PASEK, 1e-3), DcMotorState::default());
         for (voltage_v, moves) in [(2.9, false), (3.1, true), (0.0, false), (-3.1, true)] {
@@ -351,6 +353,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn power_in_is_heat_friction_and_mechanical_power_at_steady_state() {
         let (m, mut s) = (motor(MOTOR_PASEK, 1e-3), DcMotorState::default());
         let input = DcMotorInput { voltage_v: 248.0, load_nm: 0.5 };

@@ -385,6 +385,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn both_drivers_follow_a_ramp_and_hold_a_speed() {
         for vehicle in [&BMW_I3_60AH, &EPOWERTRAIN_UDDS] {
             let run = drive(vehicle, 0.8, 0.0, 20_000, |t| min(1.5 * t, 15.0));

@@ -272,6 +272,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn small_powers_are_not_lost_in_large_sums() {
         let mut ledger = EnergyLedger::default();
         let raw = Flows { brake: 1e6, ..Flows::default() };

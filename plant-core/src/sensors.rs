@@ -283,6 +283,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn the_angle_follows_the_true_speed_and_wraps_both_ways() {
         let wrong = SensorParams { gain: 2.0, offset: 1.0, quantum: 10.0 };
         for pole_pairs in [1, 3, u16::MAX] {

@@ -66,13 +66,12 @@ fn replace(path: &Path, content: &str) -> Result<()> {
 }
 
 fn voltstep(arguments: &str, out: &Path) -> Result<String> {
-    output(
-        cargo()
-            .args(["run", "--quiet", "--release", "--"])
-            .args(arguments.split(' '))
-            .arg("--out")
-            .arg(out),
-    )
+    let mut command = cargo();
+    command.args(["run", "--quiet", "--release", "--"]).args(arguments.split(' '));
+    if arguments.starts_with("replay ") {
+        command.arg("--out").arg(out);
+    }
+    output(&mut command)
 }
 
 /// The accuracy table, from the report of `voltstep validate --json`.

@@ -29,6 +29,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use tolerance::{Bound, Within};
+pub use udds::step_sizes;
 
 /// One figure against its target.
 #[derive(Clone, Debug, PartialEq, Serialize)]

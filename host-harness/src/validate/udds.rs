@@ -115,9 +115,62 @@ fn route(points: &[(f32, f32)]) -> Route {
 
 /// How far a run is from the adaptive solution.
 pub(super) struct Distance {
-    soc: f64,
-    energy_rel: f64,
-    speed_rms: f64,
+    /// Largest difference of the state of charge.
+    pub soc: f64,
+    /// Difference of the energy out of the battery's chemistry, relative.
+    pub energy_rel: f64,
+    /// Root mean square of the difference in speed \[m/s\].
+    pub speed_rms: f64,
+}
+
+impl Distance {
+    fn between(exact: &Trajectory, run: &Run) -> anyhow::Result<Self> {
+        let energy = run.energy.context("a run without a ledger")?;
+        anyhow::ensure!(run.trace.len() == exact.speed.len(), "the rows do not match");
+        let (mut squares, mut soc, mut count) = (0.0, 0.0_f64, 0.0);
+        for ((row, v), exact_soc) in run.trace.iter().zip(&exact.speed).zip(&exact.soc) {
+            squares += (f64::from(row.speed_m_s) - v).powi(2);
+            soc = soc.max((f64::from(row.soc) - exact_soc).abs());
+            count += 1.0;
+        }
+        let energy_kwh = f64::from(energy.electrochemical) / 3.6e6;
+        let energy_rel = (energy_kwh / exact.energy_kwh - 1.0).abs();
+        Ok(Self { soc, energy_rel, speed_rms: f64::sqrt(squares / count) })
+    }
+}
+
+/// Steps of which the table of step sizes tells \[ms\].
+const STEPS_MS: [f64; 5] = [2.0, 1.0, 0.5, 0.2, 0.1];
+
+/// The error of each step, what it dissipates and how many a second takes, as a Markdown table:
+/// UDDS with `epowertrain-udds` against the adaptive solution.
+///
+/// # Errors
+/// A run that diverged.
+pub fn step_sizes() -> anyhow::Result<String> {
+    let cycle = cycle::by_name("udds").context("no cycle `udds`")?;
+    let vehicle = vehicle::load("epowertrain-udds")?;
+    let route = route(&cycle.points);
+    let exact = solve(UDDS, &cycle.points)?;
+    let mut table = String::from(
+        "| step [ms] | SOC, largest error | energy, error [%] | speed, RMS error [m/s] | \
+         numerical dissipation [%] | steps a second |\n|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for step_ms in STEPS_MS {
+        let run =
+            run::vehicle(&vehicle, &route, vehicle.initial_soc, step_ms / 1000.0, true, false)?;
+        let energy = run.energy.context("a run without a ledger")?;
+        let off = Distance::between(&exact, &run)?;
+        table += &format!(
+            "| {step_ms} | {:.1e} | {:.3} | {:.1e} | {:.4} | {:.0} |\n",
+            off.soc,
+            100.0 * off.energy_rel,
+            off.speed_rms,
+            100.0 * f64::from(energy.numerical / energy.throughput),
+            1000.0 / step_ms,
+        );
+    }
+    Ok(table)
 }
 
 fn both(checks: &mut Checks, name: &str, p: Parameters, bounds: &Bounds) -> anyhow::Result<()> {
@@ -161,20 +214,13 @@ fn compare(
     numerical: &Bound,
 ) -> anyhow::Result<Distance> {
     let energy = run.energy.context("a run without a ledger")?;
-    anyhow::ensure!(run.trace.len() == exact.speed.len(), "the rows do not match");
-    let (mut squares, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
-    for ((row, v), soc) in run.trace.iter().zip(&exact.speed).zip(&exact.soc) {
-        squares += (f64::from(row.speed_m_s) - v).powi(2);
-        worst = worst.max((f64::from(row.soc) - soc).abs());
-        count += 1.0;
-    }
-    let speed_rms = f64::sqrt(squares / count);
+    let off = Distance::between(exact, run)?;
     let energy_kwh = f64::from(energy.electrochemical) / 3.6e6;
     let distance_km = run.trace.last().map_or(f64::NAN, |r| f64::from(r.distance_m) / 1000.0);
     let case = [
-        (None, worst),
+        (None, off.soc),
         (Some(exact.energy_kwh), energy_kwh),
-        (None, speed_rms),
+        (None, off.speed_rms),
         (Some(exact.torque.1), f64::from(run.totals.motor_torque_nm.1)),
         (Some(exact.current.1), f64::from(run.totals.battery_current_a.1)),
         (Some(exact.distance_km), distance_km),
@@ -191,8 +237,7 @@ fn compare(
     for check in &mut checks.list[before..] {
         check.quantity.insert_str(0, &step);
     }
-    let energy_rel = (energy_kwh / exact.energy_kwh - 1.0).abs();
-    Ok(Distance { soc: worst, energy_rel, speed_rms })
+    Ok(off)
 }
 
 #[cfg(test)]

@@ -307,6 +307,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn counts_charge_and_drops_voltage() {
         let (b, mut s) = (battery(0.001), BatteryState::rested(0.8).unwrap());
         let mut out = b.step(&mut s, load(20.0));
@@ -321,6 +322,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn a_small_current_on_a_large_pack_still_counts() {
         let p = BatteryParams { capacity_ah: 100.0, ..PARAMS };
         let b = Battery::new(p, Dt::from_s(0.001).unwrap()).unwrap();
@@ -332,6 +334,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn stops_at_empty_and_full_and_says_what_it_refused() {
         for (soc, current, end) in [(0.001, 60.0, 0.0), (0.999, -40.0, 1.0)] {
             let (b, mut s) = (battery(0.01), BatteryState::rested(soc).unwrap());

@@ -128,6 +128,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn follows_the_exponential_and_halves_its_error_with_the_step() {
         let (tau, end): (f64, f64) = (30.0, 60.0);
         let exact = 0.02 * 50.0 * (1.0 - (-end / tau).exp());
@@ -143,6 +144,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn reaches_the_same_steady_state_at_any_step() {
         for (dt, steps) in [(1e-4, 3_000_000), (1.0, 600), (1e6, 2)] {
             let (b, mut s) = (branch(dt), RcBranchState::default());

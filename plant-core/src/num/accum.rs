@@ -64,6 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn keeps_what_a_plain_sum_drops() {
         let (mut sum, mut plain): (Accum, Real) = (Accum::new(1.0), 1.0);
         for _ in 0..1_000_000 {

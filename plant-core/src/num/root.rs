@@ -37,6 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn has_the_bits_of_the_machine() {
         // A step that is prime visits every exponent and all kinds of mantissas.
         let all = (0..0x7f80_0000_u32).step_by(1009);

@@ -112,6 +112,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn a_shaft_keeps_its_angle_for_an_hour() {
         let (axis, mut s) = (Axis::new(dt(1e-3)), AxisState::default());
         let input = AxisInput { speed_rad_s: 123.4, torque_nm: 2.0 };
@@ -129,6 +130,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn turning_back_undoes_every_turn() {
         for increment in [1e-10, 0.37, 0.999_999_9, 17.3, 5e8] {
             let mut turns = Accum::new(0.0);
@@ -146,6 +148,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn a_slow_shaft_does_not_stick_on_either_side_of_zero() {
         let mut turns = Accum::new(0.5);
         for _ in 0..100_000 {

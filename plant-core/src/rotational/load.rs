@@ -185,6 +185,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn speeds_up_as_the_exponential() {
         let (l, mut s) = (load(LOAD, 1e-3), RotationalLoadState::default());
         let mut out = l.step(&mut s, RotationalLoadInput { torque_nm: 1.3 });
@@ -198,6 +199,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn the_published_load_coasts_for_hours() {
         // J = 10 kg·m², f_s = 8.5e-6: the increment is a hundredth of the last bit.
         let params = RotationalLoadParams {
@@ -271,6 +273,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn a_motor_with_this_load_reaches_its_steady_state() {
         let bench = Bench::new(0.5, 1e-3);
         let (mut motor, mut load) = (DcMotorState::default(), RotationalLoadState::default());
@@ -313,6 +316,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn a_gearbox_fits_between() {
         let (motor, gearbox) = (
             DcMotor::new(MOTOR, dt(1e-3)).unwrap(),

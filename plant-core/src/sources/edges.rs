@@ -142,6 +142,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn steps_at_the_nearest_instant_whatever_the_binary_says() {
         for (at_s, dt_s, at) in [
             (0.3, 0.1, 3),
@@ -183,6 +184,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn an_hour_does_not_drift() {
         let params = RampParams { start: 0.0, slope_per_s: 1.0, from_s: 3599.0, to_s: 3700.0 };
         let (ramp, mut s) = (Ramp::new(params, dt(1e-3)).unwrap(), ElapsedState::default());

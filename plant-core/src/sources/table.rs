@@ -215,6 +215,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn an_hour_at_a_millisecond_does_not_drift() {
         // A saw of 1 s segments, as a driving cycle has them.
         let points: Vec<_> =
@@ -234,6 +235,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn short_segments_after_a_long_one_do_not_overshoot() {
         let points = [(0.0, 0.0), (1000.0, 0.0), (1000.001, 100.0), (1001.0, 100.0)];
         let (t, mut s) = (table(&points, AtEnd::Hold, 0.01), TimeTableState::default());

@@ -149,6 +149,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn says_the_sine_at_the_current_instant() {
         let (sine, mut s) = (Sine::new(SINE, dt(1e-4)).unwrap(), PhaseState::default());
         for i in 0..10_000 {
@@ -160,6 +161,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn an_hour_of_sine_drifts_by_the_rounding_of_its_step_only() {
         let (sine, mut s) = (Sine::new(SINE, dt(1e-3)).unwrap(), PhaseState::default());
         for _ in 0..3_600_000 {
@@ -191,6 +193,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn a_period_that_is_no_whole_number_of_steps_keeps_its_mean() {
         let params = SquareParams { period_s: 7.316_25e-4, ..SQUARE };
         let (square, mut s) = (Square::new(params, dt(1e-4)).unwrap(), PhaseState::default());

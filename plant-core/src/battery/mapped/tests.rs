@@ -47,6 +47,7 @@ fn load(current_a: Real) -> MappedBatteryInput {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_map_of_constants_is_the_constant_battery() {
     let (plain, map) = (Battery::new(PLAIN, dt(0.1)).unwrap(), mapped(SAME, 0.1));
     let (mut p, mut m) = (BatteryState::rested(0.9).unwrap(), map.rested(0.9).unwrap());
@@ -103,6 +104,7 @@ fn resistances_follow_charge_and_temperature_and_hold_outside() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn both_branches_follow_their_exponentials() {
     let params = MappedBatteryParams {
         second_polarisation: BranchMap {
@@ -132,6 +134,7 @@ const NODE: ThermalParams =
     ThermalParams { heat_capacity_j_per_k: 50.0, cooling_w_per_k: 0.1, ambient_c: 20.0 };
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn warms_to_its_steady_state_and_cools_to_its_surroundings() {
     for dt_s in [0.01, 1.0] {
         let map = mapped(
@@ -156,6 +159,7 @@ fn warms_to_its_steady_state_and_cools_to_its_surroundings() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn all_heat_enters_the_node() {
     let thermal = ThermalParams { cooling_w_per_k: 0.0, ..NODE };
     let map = mapped(MappedBatteryParams { thermal, ..SAME }, 0.1);
