@@ -206,7 +206,7 @@ impl Battery {
     }
 
     /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
-    #[inline]
+    #[inline(always)]
     pub const fn settle(&self, state: &mut BatteryState, current_a: Real) {
         *state = self.next(state, current_a);
         // Only the last bit can lie outside: the limits saw to the rest.
