@@ -6,6 +6,7 @@
 
 mod items;
 mod stack;
+mod worst;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
@@ -30,7 +31,7 @@ use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
 };
 
-use crate::stack::{call, painted};
+use crate::stack::{call, call_uncounted, painted};
 
 /// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
 const WHEEL_RAD_PER_M: f32 = 2.94;
@@ -81,7 +82,8 @@ fn run() -> Option<()> {
         current_sensor,
         speed_sensor,
         time_table,
-        sine
+        sine,
+        deep
     );
     let mut clock = TimeTableState::default();
     let mut pid_off = EPOWERTRAIN.start().ok()?;
@@ -162,8 +164,14 @@ fn run() -> Option<()> {
         call!(sine, items::bench_sine, &mut sine_state, &());
     }
 
+    worst::plant_pid_off(&mut plant_pid_off)?.say("plant_pid_off");
+    worst::plant_pid_on(&mut plant_pid_on)?.say("plant_pid_on");
+    worst::plant_torque_off(&mut plant_torque_off)?.say("plant_torque_off");
+    worst::plant_torque_on(&mut plant_torque_on)?.say("plant_torque_on");
+    call_uncounted!(deep, worst::deep as extern "C" fn(&mut (), &(), &mut ()), &mut (), &());
+
     report!(
-        nothing: (), plant_pid_off: pid_off, plant_pid_on: pid_on, plant_torque_off: torque_off,
+        deep: (), nothing: (), plant_pid_off: pid_off, plant_pid_on: pid_on, plant_torque_off: torque_off,
         plant_torque_on: torque_on, powertrain: plant, battery: battery_state,
         rc_branch: rc_state, auxiliary: (), converter: (), dc_motor: motor_state,
         gearbox: gearbox_state, wheel: wheel_state, body: body_state,

@@ -60,6 +60,33 @@ macro_rules! call {
     };
 }
 
+/// The same for a call that is not to be counted: the plugin looks for `bl`.
+macro_rules! call_uncounted {
+    ($stack:expr, $item:expr, $state:expr, $input:expr) => {
+        $crate::stack::with_types($item, $state, $input, |state, input, output| {
+            // SAFETY: as in `call`.
+            unsafe {
+                core::arch::asm!(
+                    "mov r4, sp",
+                    "mov sp, {top}",
+                    "blx {item}",
+                    "mov sp, r4",
+                    top = in(reg) $stack.top(),
+                    item = in(reg) $item,
+                    in("r0") state,
+                    in("r1") input,
+                    in("r2") output,
+                    out("r4") _,
+                    lateout("r0") _, lateout("r1") _, lateout("r2") _, lateout("r3") _,
+                    lateout("r12") _, lateout("lr") _,
+                    lateout("d0") _, lateout("d1") _, lateout("d2") _, lateout("d3") _,
+                    lateout("d4") _, lateout("d5") _, lateout("d6") _, lateout("d7") _,
+                );
+            }
+        })
+    };
+}
+
 /// Has the compiler check an item's arguments and find room for its output.
 #[inline(always)]
 pub fn with_types<S, I, O>(
@@ -72,4 +99,4 @@ pub fn with_types<S, I, O>(
     call(state, input, output.as_mut_ptr());
 }
 
-pub(crate) use {call, painted};
+pub(crate) use {call, call_uncounted, painted};

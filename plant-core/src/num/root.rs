@@ -1,34 +1,39 @@
 //! The square root, correctly rounded, so it has the bits of every machine's own instruction.
 
-/// Square root, bit by bit (the method of fdlibm's `e_sqrtf.c`).
+/// Square root: Newton's method, then the last bit by integers.
 ///
 /// Where the machine has an instruction, safe code cannot reach it without the standard library,
 /// and `libm`'s routine for the others takes 0.5 kB of flash. Nothing takes a root in every step,
-/// so this one is made to be small: 25 turns of a short loop, no division, no table.
+/// so this one is made to be small.
 pub fn sqrt(x: f32) -> f32 {
     if !(x > 0.0 && x < f32::INFINITY) {
         return if x < 0.0 { f32::NAN } else { x };
     }
     // A subnormal has no leading one; both factors are powers of four, so nothing is rounded.
     let (x, back) = if x < f32::MIN_POSITIVE { (x * 16_777_216.0, 1.0 / 4096.0) } else { (x, 1.0) };
-    let bits = x.to_bits();
-    let exponent = (bits >> 23).cast_signed() - 127;
-    let mut rest = (bits & 0x007f_ffff | 0x0080_0000) << (1 + (exponent & 1));
-    let (mut root, mut twice, mut bit) = (0_u32, 0_u32, 0x0100_0000_u32);
-    // Once nothing is left the root is exact; this also keeps the compiler from writing the loop out.
-    while bit != 0 && rest != 0 {
-        let tried = twice + bit;
-        if tried <= rest {
-            twice = tried + bit;
-            rest -= tried;
-            root += bit;
-        }
-        rest <<= 1;
-        bit >>= 1;
-    }
-    // One bit more than a mantissa has: it rounds. Never a tie: a root of 25 bits squares to 49.
-    root = (root >> 1) + (root & 1);
-    f32::from_bits(root + (((exponent >> 1) + 126).cast_unsigned() << 23)) * back
+    // x = 4^half · y with y in 1..4, and the mantissa of y as an integer, y·2^23.
+    let exponent = (x.to_bits() >> 23).cast_signed() - 127;
+    let half = exponent >> 1;
+    let y = f32::from_bits(x.to_bits().wrapping_sub(half.cast_unsigned() << 24));
+    let mantissa = (x.to_bits() & 0x007f_ffff | 0x0080_0000) << (exponent & 1);
+    // A line within 3 %, then to half a millionth of a millionth but for rounding.
+    let mut root = 0.35 * y + 0.68;
+    root = 0.5 * (root + y / root);
+    root = 0.5 * (root + y / root);
+    root = 0.5 * (root + y / root);
+    // Below 2, so that it has the exponent of 1; one unit in the last place is put right now:
+    // with r = root·2^23 the nearest is r where y·2^46 lies between (r − ½)² and (r + ½)². The
+    // difference is small, so its last 32 bits are all of it.
+    let r = root.to_bits().min(0x3fff_ffff) - 0x3f00_0000;
+    let beyond = (mantissa << 23).wrapping_sub(r.wrapping_mul(r)).cast_signed();
+    let r = if beyond > r.cast_signed() {
+        r + 1
+    } else if beyond <= -r.cast_signed() {
+        r - 1
+    } else {
+        r
+    };
+    f32::from_bits(r + ((half + 126).cast_unsigned() << 23)) * back
 }
 
 #[cfg(test)]

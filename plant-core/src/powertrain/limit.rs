@@ -1,7 +1,8 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
 
-use super::{Limited, Powertrain, PowertrainInput, PowertrainState, Solution, Start};
+use super::{Limited, Powertrain, PowertrainState, Solution, Start};
 use crate::battery::Pack;
+use crate::body::Resistance;
 use crate::energy::Book;
 use crate::num::{Real, max, sqrt};
 use crate::port::Slip;
@@ -20,8 +21,8 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     /// The step again, so that the limits are kept: the auxiliary loads are cut off if the battery
     /// cannot feed even them, then the duty is held back.
     ///
-    /// It works out for itself where the step starts from. To be handed that would have every step
-    /// keep it in memory, for the sake of the few that come here.
+    /// It works out for itself where the step starts from, and takes numbers one by one: to be
+    /// handed more would have every step keep it in memory, for the sake of the few that come here.
     ///
     /// Within a friction mode (forward, backward, stuck) the current is
     /// `i = (β + D·E)/(ρ + D²·R)`, so `D·i = I` is a quadratic in D. Its root can change the mode,
@@ -31,11 +32,15 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     pub(super) fn hold_limits(
         &self,
         state: &PowertrainState<L, B::State>,
-        input: &PowertrainInput,
+        commanded: Real,
+        auxiliary_w: Real,
+        force_n: Real,
+        slope_n_s_per_m: Real,
+        friction_n: Real,
     ) -> Held {
         let limits = self.battery.limits(&state.battery);
-        let (mut start, source, _) = self.start(state, input);
-        let commanded = self.converter.allowed_duty(input.duty);
+        let resistance = Resistance { force_n, slope_n_s_per_m, friction_n, drag_n_s_per_m: 0.0 };
+        let (mut start, source, _) = self.start(state, auxiliary_w, resistance);
         let starved = limits.discharge_a < start.loads.current_a(start.bus.emf_v);
         if starved {
             start.starve(source);

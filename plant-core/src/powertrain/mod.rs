@@ -347,18 +347,16 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         }
     }
 
-    /// Down the chain: what the terminals offer, what the auxiliary loads leave of it, what resists.
-    /// Also the terminals themselves, and the open-circuit voltage \[V\].
+    /// Down the chain: what the terminals offer, what the auxiliary loads leave of it. Also the terminals themselves, and the open-circuit voltage \[V\].
     #[inline(always)]
     fn start(
         &self,
         state: &PowertrainState<L, B::State>,
-        input: &PowertrainInput,
+        auxiliary_w: Real,
+        resistance: Resistance,
     ) -> (Start, Source, Real) {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
         let (source, open_circuit_v) = self.battery.offer(&state.battery);
-        let mut resistance = self.body.resistance(&input.road, self.coast, v);
-        resistance.friction_n += self.gear_loss_n_per_a * i.abs();
         let mut start = Start {
             speed_m_s: v,
             current_a: i,
@@ -367,8 +365,8 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             converter_ohm: 0.0,
             resistance,
         };
-        if !self.plain || input.auxiliary_w > 0.0 {
-            start.loads = self.loads(input.auxiliary_w, state.battery_v);
+        if !self.plain || auxiliary_w > 0.0 {
+            start.loads = self.loads(auxiliary_w, state.battery_v);
             start.bus = source
                 .loaded(start.loads.constant_a, start.loads.resistor_s + start.loads.converter_s);
             start.converter_ohm = self.converter.series_ohm(i);
@@ -400,12 +398,22 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         input: PowertrainInput,
     ) -> PowertrainOutput {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
-        let (mut start, source, open_circuit_v) = self.start(state, &input);
-        let mut solution = self.solve(&start, self.converter.allowed_duty(input.duty));
+        let mut resistance = self.body.resistance(&input.road, self.coast, v);
+        resistance.friction_n += self.gear_loss_n_per_a * i.abs();
+        let (mut start, source, open_circuit_v) = self.start(state, input.auxiliary_w, resistance);
+        let commanded = self.converter.allowed_duty(input.duty);
+        let mut solution = self.solve(&start, commanded);
         let mut battery = self.battery.next(&state.battery, solution.battery_a);
         let (mut limited, mut starved) = (Limited::No, false);
         if !self.battery.allows(solution.battery_a, &battery) {
-            let held = self.hold_limits(state, &{ input });
+            let held = self.hold_limits(
+                state,
+                commanded,
+                input.auxiliary_w,
+                resistance.force_n,
+                resistance.slope_n_s_per_m,
+                resistance.friction_n,
+            );
             (solution, limited, starved) = (held.solution, held.limited, held.starved);
             if starved {
                 start.starve(source);

@@ -9,8 +9,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 
-use crate::firmware::{self, TARGET};
+use crate::firmware;
 use crate::shell::{output, program, run};
+
+mod table;
+
+use table::{publish, table, times};
 
 /// What is counted, and its row in the table.
 const ITEMS: &[(&str, &str)] = &[
@@ -18,6 +22,8 @@ const ITEMS: &[(&str, &str)] = &[
     ("plant_pid_on", "the same with the energy ledger"),
     ("plant_torque_off", "coupled plant + torque driver (`bmw-i3-60ah`)"),
     ("plant_torque_on", "the same with the energy ledger"),
+    ("limited_pid_off", "coupled plant + PID driver, steps in which a battery limit acts"),
+    ("limited_torque_off", "coupled plant + torque driver, the same"),
     ("powertrain", "coupled plant alone (`bmw-i3-60ah`), every output kept"),
     ("battery", "battery"),
     ("rc_branch", "RC branch"),
@@ -39,11 +45,17 @@ const ITEMS: &[(&str, &str)] = &[
     ("sine", "sine"),
 ];
 
+/// How many of them are whole plants.
+const PLANTS: usize = 7;
+
 /// An empty function: `push`, `mov`, `pop`. The target keeps frame pointers.
 const NOTHING: (&str, u64) = ("nothing", 3);
 
 /// The names of the counted functions begin with this.
 const PREFIX: &str = "bench_";
+
+/// So do those of steps in which a limit acts.
+const LIMITED: &str = "limited_";
 
 /// How much worse than the baseline a figure may be.
 const ALLOWED: f64 = 1.02;
@@ -53,11 +65,12 @@ const BASELINE: &str = "firmware-example/baseline.json";
 /// Set to accept what the code costs now.
 const ACCEPT: &str = "VOLTSTEP_ACCEPT_COUNTS";
 
-const README: &str = "README.md";
-/// Where the table goes when the README has no place for it.
-const PAGE: &str = "docs/counts.md";
-const BEGIN: &str = "<!-- counts:begin -->";
-const END: &str = "<!-- counts:end -->";
+/// The plants are sent through this, and each of them must have come to it.
+const PATHS: &[&str] = &["discharge", "charge", "refused", "standstill"];
+/// These also have auxiliary loads to starve.
+const STARVING: (&str, &str) = ("plant_torque", "starved");
+/// A function that uses this much stack on purpose: the report has to show it.
+const DEEP: (&str, u64) = ("deep", 256);
 
 /// Instructions per call: least, mean, most.
 type Counted = (u64, f64, u64);
@@ -100,7 +113,7 @@ pub fn counts() -> Result<()> {
         .iter()
         .map(|(name, about)| Ok((*about, *costs.get(*name).with_context(|| missing(name))?)))
         .collect::<Result<_>>()?;
-    publish(&table(&rows))?;
+    publish(&(table(&rows) + &times(&rows[..PLANTS])?))?;
     let path = firmware::root().join(BASELINE);
     if std::env::var_os(ACCEPT).is_some() {
         let all: serde_json::Map<_, _> =
@@ -141,18 +154,46 @@ fn measure() -> Result<BTreeMap<String, Cost>> {
             .arg(format!("{}{items}", plugin.display())),
     )?;
     let counted = fs::read_to_string(&log).context("the plugin wrote no log")?;
+    check_paths(&said)?;
     let empty = flash("none")?;
-    let mut costs = BTreeMap::new();
+    let mut costs: BTreeMap<String, Cost> = BTreeMap::new();
+    let mut limited = Vec::new();
     for (name, (min, mean, max)) in parse_counts(&counted)? {
         if name == NOTHING.0 {
             ensure!((min, max) == (NOTHING.1, NOTHING.1), "an empty function counts {min}..{max}");
+            continue;
+        }
+        if let Some(plant) = name.strip_prefix(LIMITED) {
+            // Another name of a plant: the branch to it is no part of it.
+            limited.push((name.clone(), format!("plant_{plant}"), (min - 1, mean - 1.0, max - 1)));
             continue;
         }
         let (state, stack) = parse_item(&said, &name).with_context(|| missing(&name))?;
         let flash = flash(&format!("{PREFIX}{name}"))? - empty;
         costs.insert(name, Cost { min, mean, max, flash, state, stack });
     }
+    for (name, plant, (min, mean, max)) in limited {
+        let same = *costs.get(&plant).with_context(|| missing(&plant))?;
+        costs.insert(name, Cost { min, mean, max, ..same });
+    }
     Ok(costs)
+}
+
+/// Each plant went through everything that UDDS does not come to, and stack that is used is seen.
+fn check_paths(said: &str) -> Result<()> {
+    let mut plants = 0;
+    for line in said.lines().filter_map(|line| line.strip_prefix("came ")) {
+        plants += 1;
+        let starving = line.starts_with(STARVING.0).then_some(STARVING.1);
+        for path in PATHS.iter().copied().chain(starving) {
+            let came = line.split(' ').any(|word| word == format!("{path}=true"));
+            ensure!(came, "the worst case did not come to `{path}`: {line}");
+        }
+    }
+    ensure!(plants == 4, "{plants} plants went through the worst case");
+    let (_, deep) = parse_item(said, DEEP.0).with_context(|| missing(DEEP.0))?;
+    ensure!(deep >= DEEP.1, "a function that uses {} bytes of stack shows {deep}", DEEP.1);
+    Ok(())
 }
 
 /// Compiles the plugin beside the image.
@@ -222,51 +263,6 @@ fn section_bytes(sizes: &str, sections: &[&str]) -> Result<u64> {
     }
     ensure!(sum > 0, "the image is empty");
     Ok(sum)
-}
-
-fn table(rows: &[(&str, Cost)]) -> String {
-    let mut text = String::from(
-        "| One step of | mean | least | most | flash | state | stack |\n\
-         |---|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for (about, c) in rows {
-        let _ = writeln!(
-            text,
-            "| {about} | {:.1} | {} | {} | {} | {} | {} |",
-            c.mean, c.min, c.max, c.flash, c.state, c.stack
-        );
-    }
-    let _ = write!(
-        text,
-        "\nInstructions per step on a Cortex-M4F (`{TARGET}`, opt-level 3), counted exactly in \
-         QEMU at every step of UDDS at 1 kHz, from the first of the function to its return; flash, state and \
-         worst-case stack in bytes. QEMU counts instructions, not cycles: a load takes more than \
-         one, a division 14. Made by `cargo xtask counts`.\n"
-    );
-    text
-}
-
-/// Puts the table between its markers: in the README where it has them, else on a page.
-fn publish(table: &str) -> Result<()> {
-    let readme = firmware::root().join(README);
-    let text = fs::read_to_string(&readme).unwrap_or_default();
-    if let Some(text) = between_markers(&text, table) {
-        return fs::write(&readme, text).context(README);
-    }
-    let page = firmware::root().join(PAGE);
-    if let Some(folder) = page.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let text = fs::read_to_string(&page)
-        .unwrap_or_else(|_| format!("# What a step costs\n\n{BEGIN}\n{END}\n"));
-    let text = between_markers(&text, table).with_context(|| format!("{PAGE} has no {BEGIN}"))?;
-    fs::write(&page, text).context(PAGE)
-}
-
-fn between_markers(text: &str, table: &str) -> Option<String> {
-    let start = text.find(BEGIN)? + BEGIN.len();
-    let end = start + text[start..].find(END)?;
-    Some(format!("{}\n{table}{}", &text[..start], &text[end..]))
 }
 
 /// Fails where a figure is worse than the baseline allows, or an item is not in it.
@@ -339,14 +335,20 @@ mod tests {
     }
 
     #[test]
-    fn the_table_lands_between_its_markers_twice_the_same() {
-        let page = format!("before\n{BEGIN}\nold\n{END}\nafter\n");
-        let new = table(&[("battery", COST)]);
-        assert!(new.contains("| battery | 100.0 | 90 | 110 | 1000 | 16 | 40 |"));
-        let once = between_markers(&page, &new).unwrap();
-        assert_eq!(between_markers(&once, &new).unwrap(), once);
-        assert!(once.starts_with("before\n") && once.ends_with("after\n"));
-        assert!(between_markers("no markers", &new).is_none());
+    fn the_worst_case_has_to_be_one() {
+        let path = "discharge=true charge=true starved=true refused=true standstill=true";
+        let said = |path: &str, deep: u32| {
+            let plants = ["pid_off", "pid_on", "torque_off", "torque_on"];
+            let came: Vec<_> = plants.iter().map(|p| format!("came plant_{p} {path}")).collect();
+            format!("{}\nitem deep 0 {deep}\n", came.join("\n"))
+        };
+        assert!(check_paths(&said(path, 280)).is_ok());
+        assert!(check_paths(&said(path, 8)).is_err(), "the control is not seen");
+        for word in ["discharge", "starved", "refused"] {
+            let missed = path.replace(&format!("{word}=true"), &format!("{word}=false"));
+            assert!(check_paths(&said(&missed, 280)).is_err(), "{word}");
+        }
+        assert!(check_paths("item deep 0 280").is_err(), "no plant");
     }
 
     #[test]

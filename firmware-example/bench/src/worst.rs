@@ -1,0 +1,149 @@
+//! What UDDS does not come to: battery limits both ways, an empty battery that cannot even feed the
+//! auxiliary loads, a full one, standstill, plug braking, refused inputs. Each plant goes through
+//! all of it on its painted stack, so that the stack reported is that of the worst path.
+//!
+//! Steps in which a limit acts are counted, as items of their own; the others are not.
+
+use cortex_m_semihosting::hprintln;
+use plant_core::driver::DriverInput;
+use plant_core::energy::{Book, EnergyLedger, NoLedger};
+use plant_core::powertrain::{Limited, PowertrainInput};
+use plant_core::sources::TimeTableOutput;
+use voltstep_trace::{BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Rig, RigState};
+
+use crate::items::{
+    bench_plant_pid_off, bench_plant_pid_on, bench_plant_torque_off, bench_plant_torque_on,
+};
+use crate::stack::{Stack, call, call_uncounted};
+
+/// An item that drives a [`Rig`].
+type Item<L> = extern "C" fn(&mut RigState<L>, &TimeTableOutput, &mut ());
+
+/// Where a stretch starts: state of charge and speed \[m/s\], a reference \[m/s\] that takes turns.
+const STRETCHES: &[(f32, f32, [f32; 2])] = &[
+    (0.80, 0.0, [60.0, 60.0]),      // the discharge limit
+    (0.80, 60.0, [0.0, 0.0]),       // the charge limit
+    (0.80, 60.0, [-60.0, -60.0]),   // plug braking
+    (0.80, -60.0, [60.0, 60.0]),    // the same backwards
+    (0.0, 0.0, [1.0, 1.0]),         // empty, and from there on
+    (1e-7, 20.0, [30.0, 30.0]),     // nearly
+    (1.0, 30.0, [0.0, 0.0]),        // full
+    (0.80, 1.0, [0.0, 0.0]),        // standstill
+    (0.80, 0.0, [0.1, -0.1]),       // to and fro
+    (0.80, 10.0, [f32::NAN, 1e38]), // refused
+];
+const STEPS_PER_STRETCH: usize = 3000;
+
+/// What a run came to.
+#[derive(Clone, Copy, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "a list of what happened")]
+pub struct Came {
+    pub discharge: bool,
+    pub charge: bool,
+    pub starved: bool,
+    pub refused: bool,
+    pub standstill: bool,
+}
+
+impl Came {
+    /// In a line, for xtask to demand.
+    pub fn say(self, item: &str) {
+        let Self { discharge, charge, starved, refused, standstill } = self;
+        hprintln!(
+            "came {} discharge={} charge={} starved={} refused={} standstill={}",
+            item,
+            discharge,
+            charge,
+            starved,
+            refused,
+            standstill
+        );
+    }
+}
+
+/// Sends one plant through all stretches. `limited` is another name of `item`.
+fn run<L: Book>(
+    rig: &Rig<L>,
+    stack: &mut Stack,
+    item: Item<L>,
+    mut limited: impl FnMut(&mut Stack, &mut RigState<L>, &TimeTableOutput),
+) -> Option<Came> {
+    let mut came = Came::default();
+    for (soc, speed_m_s, references) in STRETCHES {
+        let mut state = rig.start().ok()?;
+        state.plant = rig.plant.at_speed(*soc, *speed_m_s).ok()?;
+        state.seen = rig.plant.feedback(&state.plant);
+        for n in 0..STEPS_PER_STRETCH {
+            let value = references[n / 100 % 2];
+            let reference = TimeTableOutput { value, rate_per_s: 0.0, ended: false };
+            if look(rig, state, &reference, &mut came) {
+                limited(stack, &mut state, &reference);
+            } else {
+                call_uncounted!(stack, item, &mut state, &reference);
+            }
+        }
+    }
+    Some(came)
+}
+
+/// Makes a step on a copy, to see what it comes to; whether a limit acts.
+#[inline(never)]
+fn look<L: Book>(
+    rig: &Rig<L>,
+    mut state: RigState<L>,
+    reference: &TimeTableOutput,
+    came: &mut Came,
+) -> bool {
+    let driven = DriverInput {
+        reference_m_s: reference.value,
+        reference_m_s2: reference.rate_per_s,
+        vehicle: state.seen,
+    };
+    let command = rig.driver.step(&mut state.driver, driven);
+    let mut input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
+    input.road.brake_n = command.brake_n;
+    let out = rig.plant.step(&mut state.plant, input);
+    came.discharge |= out.limited == Limited::Discharge;
+    came.charge |= out.limited == Limited::Charge;
+    came.starved |= out.auxiliary_starved;
+    came.refused |= out.rejected || command.rejected;
+    came.standstill |= out.speed_m_s == 0.0;
+    out.limited != Limited::No
+}
+
+/// Names a plant's item once more, for the plugin: in steps in which a limit acts it is called by
+/// this name, which is one branch more. Then sends the plant through all stretches.
+macro_rules! worst {
+    ($($run:ident: $item:ident, $other:ident, $ledger:ty, $rig:path;)+) => {$(
+        core::arch::global_asm!(
+            concat!(".global ", stringify!($other)),
+            concat!(".type ", stringify!($other), ", %function"),
+            concat!(stringify!($other), ": b {item}"),
+            item = sym $item,
+        );
+
+        #[doc = concat!("See [`run`]: ", stringify!($item), ".")]
+        pub fn $run(stack: &mut Stack) -> Option<Came> {
+            #[allow(improper_ctypes, reason = "the types are those of the item")]
+            unsafe extern "C" {
+                safe fn $other(state: &mut RigState<$ledger>, input: &TimeTableOutput, out: &mut ());
+            }
+            run(&$rig, stack, $item, |stack, state, reference| {
+                call!(stack, $other, state, reference);
+            })
+        }
+    )+};
+}
+
+worst! {
+    plant_pid_off: bench_plant_pid_off, bench_limited_pid_off, NoLedger, EPOWERTRAIN;
+    plant_pid_on: bench_plant_pid_on, bench_limited_pid_on, EnergyLedger, EPOWERTRAIN_LEDGER;
+    plant_torque_off: bench_plant_torque_off, bench_limited_torque_off, NoLedger, BMW_I3;
+    plant_torque_on: bench_plant_torque_on, bench_limited_torque_on, EnergyLedger, BMW_I3_LEDGER;
+}
+
+/// Uses 256 bytes of stack and more: the report has to show them.
+#[inline(never)]
+pub extern "C" fn deep(_: &mut (), _: &(), _: &mut ()) {
+    core::hint::black_box([0_u32; 64]);
+}
