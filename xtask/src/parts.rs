@@ -55,6 +55,57 @@ pub const PARTS: &[Part] = &[
     part("readme", "the README's figures are those of this code", crate::readme::readme),
 ];
 
+/// Parts that take long or need more tools; `test` leaves them out.
+pub const LONG: &[Part] = &[
+    part("miri", "plant-core's unit tests in an interpreter that sees undefined behaviour", miri),
+    part(
+        "fuzz",
+        "arbitrary bytes for the readers, arbitrary bits for the step (VOLTSTEP_FUZZ_S)",
+        fuzz,
+    ),
+    part("mutants", "changes plant-core in every place and sees whether a test notices", mutants),
+];
+
+/// What each fuzz target gets \[s\], and the variable that says otherwise.
+const FUZZ_S: (&str, &str) = ("VOLTSTEP_FUZZ_S", "60");
+const FUZZ_TARGETS: [&str; 6] = ["cycle", "trip", "vehicle", "battery", "cell", "step"];
+
+fn miri() -> Result<()> {
+    run(rustup_cargo("nightly").args(["miri", "test", "-p", "plant-core", "--lib"]))
+        .context("`rustup component add --toolchain nightly miri` installs it")
+}
+
+fn fuzz() -> Result<()> {
+    let seconds = std::env::var(FUZZ_S.0).unwrap_or_else(|_| FUZZ_S.1.to_owned());
+    for target in FUZZ_TARGETS {
+        // New inputs go to a folder beside the committed corpus, which stays small.
+        let found = format!("target/fuzz-corpus/{target}");
+        fs::create_dir_all(&found)?;
+        run(rustup_cargo("nightly")
+            .args(["fuzz", "run", target, &found, &format!("fuzz/corpus/{target}"), "--"])
+            .arg(format!("-max_total_time={seconds}")))
+        .context("`cargo install cargo-fuzz` installs it; it needs a nightly toolchain")?;
+    }
+    Ok(())
+}
+
+fn mutants() -> Result<()> {
+    run(cargo().args(["mutants", "-p", "plant-core", "--jobs", "2", "--baseline", "skip"]).args([
+        "--output",
+        "target",
+        "--timeout",
+        "60",
+    ]))
+    .context("`cargo install cargo-mutants` installs it; survivors stand in target/mutants.out/missed.txt")
+}
+
+/// Cargo of another toolchain.
+fn rustup_cargo(toolchain: &str) -> std::process::Command {
+    let mut command = program("rustup");
+    command.args(["run", toolchain, "cargo"]);
+    command
+}
+
 const fn part(name: &'static str, about: &'static str, run: fn() -> Result<()>) -> Part {
     Part { name, about, needs_data: false, run }
 }

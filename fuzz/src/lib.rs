@@ -1,0 +1,198 @@
+//! What each fuzz target does with its bytes. A workspace test runs the corpus through the same
+//! functions, without nightly.
+
+use plant_core::Dt;
+use plant_core::auxiliary::AuxiliaryParams;
+use plant_core::battery::{
+    BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
+    OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+};
+use plant_core::body::{BodyParams, Road, RoadResistance};
+use plant_core::converter::ConverterParams;
+use plant_core::dc_motor::DcMotorParams;
+use plant_core::gearbox::GearboxParams;
+use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::slope::Grade;
+use plant_core::wheel::WheelParams;
+
+/// A driving cycle: read, or refused with a place.
+pub fn cycle(data: &[u8]) {
+    if let Ok(cycle) = voltstep::cycle::parse("fuzz.csv", data) {
+        assert!(cycle.points.len() >= 2);
+        assert!(cycle.points.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    }
+}
+
+/// A measured trip, its quirks included.
+pub fn trip(data: &[u8]) {
+    if let Ok(trip) = voltstep::trip::parse("fuzz.csv", data) {
+        assert!(trip.len() >= 2 && trip.time_s.windows(2).all(|t| t[0] < t[1]));
+        let _ = trip.quirks(60.0);
+    }
+}
+
+/// A vehicle: what is read can be built.
+pub fn vehicle(data: &[u8]) {
+    if let Ok(vehicle) = voltstep::vehicle::parse("fuzz.toml", data) {
+        let dt = Dt::from_s(0.001).expect("a sound step");
+        Powertrain::new(vehicle.powertrain, dt).expect("the reader has checked it");
+    }
+}
+
+/// A battery: what is read can be built.
+pub fn battery(data: &[u8]) {
+    if let Ok(file) = voltstep::battery_file::parse("fuzz.toml", data) {
+        let dt = Dt::from_s(0.1).expect("a sound step");
+        plant_core::battery::MappedBattery::new(file.battery, dt).expect("checked by the reader");
+    }
+}
+
+/// A test of a cell.
+pub fn cell(data: &[u8]) {
+    if let Ok(record) = voltstep::cell::parse("fuzz.csv", data) {
+        assert!(record.len() >= 2 && record.time_s.windows(2).all(|t| t[0] < t[1]));
+        assert!(record.unlogged_ah() >= 0.0 && record.sampling_s() > 0.0);
+    }
+}
+
+/// Numbers out of bytes; where these end, the last number again.
+struct Bits<'a> {
+    data: &'a [u8],
+    last: f32,
+}
+
+impl Bits<'_> {
+    fn next(&mut self) -> f32 {
+        if let Some((head, tail)) = self.data.split_first_chunk::<4>() {
+            self.data = tail;
+            self.last = f32::from_le_bytes(*head);
+        }
+        self.last
+    }
+}
+
+fn over_soc(bits: &mut Bits<'_>) -> OverSoc {
+    OverSoc::Constant(bits.next())
+}
+
+fn branch(bits: &mut Bits<'_>) -> BranchMap {
+    BranchMap {
+        resistance_ohm: over_soc(bits),
+        activation_k: bits.next(),
+        time_constant_s: bits.next(),
+    }
+}
+
+fn plant(bits: &mut Bits<'_>) -> PowertrainParams {
+    PowertrainParams {
+        battery: BatteryParams {
+            open_circuit: OpenCircuit::Linear { empty_v: bits.next(), full_v: bits.next() },
+            capacity_ah: bits.next(),
+            series_resistance_ohm: bits.next(),
+            polarisation: RcBranchParams {
+                resistance_ohm: bits.next(),
+                capacitance_f: bits.next(),
+            },
+            discharge_limit_a: bits.next(),
+            charge_limit_a: bits.next(),
+        },
+        auxiliary: AuxiliaryParams {
+            power_w: bits.next(),
+            resistance_ohm: bits.next(),
+            cut_out_v: bits.next(),
+        },
+        converter: ConverterParams {
+            duty_limit: bits.next(),
+            constant_loss_w: bits.next(),
+            voltage_drop_v: bits.next(),
+            resistance_ohm: bits.next(),
+        },
+        motor: DcMotorParams {
+            resistance_ohm: bits.next(),
+            inductance_h: bits.next(),
+            back_emf_v_s_per_rad: bits.next(),
+            torque_nm_per_a: bits.next(),
+            inertia_kg_m2: bits.next(),
+            viscous_nm_s_per_rad: bits.next(),
+            coulomb_nm: bits.next(),
+        },
+        gearbox: GearboxParams {
+            ratio: bits.next(),
+            efficiency: bits.next(),
+            inertia_kg_m2: bits.next(),
+        },
+        wheel: WheelParams {
+            radius_m: bits.next(),
+            inertia_kg_m2: bits.next(),
+            viscous_nm_s_per_rad: bits.next(),
+        },
+        body: BodyParams {
+            mass_kg: bits.next(),
+            resistance: RoadResistance::CoastDown {
+                a_n: bits.next(),
+                b_n_s_per_m: bits.next(),
+                c_n_s2_per_m2: bits.next(),
+            },
+        },
+    }
+}
+
+fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
+    MappedBatteryParams {
+        capacity_ah: plain.capacity_ah,
+        discharge_limit_a: plain.discharge_limit_a,
+        charge_limit_a: plain.charge_limit_a,
+        refresh_s: bits.next(),
+        open_circuit: plain.open_circuit,
+        hysteresis: HysteresisParams { half_gap_v: bits.next(), rate_per_soc: bits.next() },
+        series: ResistanceMap { resistance_ohm: over_soc(bits), activation_k: bits.next() },
+        polarisation: branch(bits),
+        second_polarisation: branch(bits),
+        thermal: ThermalParams {
+            heat_capacity_j_per_k: bits.next(),
+            cooling_w_per_k: bits.next(),
+            ambient_c: bits.next(),
+        },
+        identified: IdentifiedRange::ALL,
+    }
+}
+
+fn input(bits: &mut Bits<'_>) -> PowertrainInput {
+    PowertrainInput {
+        duty: bits.next(),
+        road: Road {
+            grade: Grade { sin: bits.next(), cos: bits.next() },
+            headwind_m_s: bits.next(),
+            brake_n: bits.next(),
+        },
+        auxiliary_w: bits.next(),
+    }
+}
+
+/// The plant with any bits for parameters and inputs, with either battery: it refuses them, or
+/// steps without a panic and keeps the state of charge within 0..1.
+pub fn step(data: &[u8]) {
+    let mut bits = Bits { data, last: 1.0 };
+    let Ok(dt) = Dt::from_s(bits.next()) else { return };
+    let (soc, speed_m_s) = (bits.next(), bits.next());
+    let params = plant(&mut bits);
+    if let Ok(plant) = Powertrain::with_ledger(params, dt)
+        && let Ok(start) = plant.at_speed(soc, speed_m_s)
+    {
+        let (mut state, mut bits) = (start, Bits { data: bits.data, last: bits.last });
+        for _ in 0..32 {
+            let out = plant.step(&mut state, input(&mut bits));
+            assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
+        }
+        let _ = plant.energy(&start, &state);
+    }
+    let battery = mapped(&mut bits, &params.battery);
+    if let Ok(plant) = Powertrain::mapped(params.with_battery(battery), dt)
+        && let Ok(mut state) = plant.at_speed(soc, speed_m_s)
+    {
+        for _ in 0..32 {
+            let out = plant.step(&mut state, input(&mut bits));
+            assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
+        }
+    }
+}

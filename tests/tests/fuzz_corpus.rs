@@ -1,0 +1,45 @@
+//! Every file of the fuzz corpus, seeds and what was found, through the fuzz targets' own functions.
+
+#[path = "../../fuzz/src/lib.rs"]
+mod targets;
+
+use std::path::Path;
+
+/// Runs every file of a target's corpus.
+fn run(target: &str, body: fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target);
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        body(&std::fs::read(entry.unwrap().path()).unwrap());
+        count += 1;
+    }
+    assert!(count > 0, "no corpus for {target}");
+}
+
+#[test]
+fn readers() {
+    run("cycle", targets::cycle);
+    run("trip", targets::trip);
+    run("vehicle", targets::vehicle);
+    run("battery", targets::battery);
+    run("cell", targets::cell);
+}
+
+#[test]
+fn steps() {
+    run("step", targets::step);
+}
+
+/// A seed that is refused at once would test nothing.
+#[test]
+fn the_seeds_are_taken() {
+    let seed = |path: &str| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus");
+        std::fs::read(folder.join(path)).unwrap()
+    };
+    assert!(voltstep::cycle::parse("x.csv", &seed("cycle/udds-head.csv")).is_ok());
+    assert!(voltstep::trip::parse("x.csv", &seed("trip/synthetic-head.csv")).is_ok());
+    assert!(voltstep::vehicle::parse("x.toml", &seed("vehicle/epowertrain-udds.toml")).is_ok());
+    assert!(voltstep::battery_file::parse("x", &seed("battery/panasonic-ncr18650pf.toml")).is_ok());
+    assert!(voltstep::cell::parse("x.csv", &seed("cell/three.csv")).is_ok());
+}
