@@ -304,6 +304,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn reproduces_the_measured_step_with_static_torque() {
         for (params, peak_a) in [(MOTOR_PASEK, 4.674), (MOTOR_MOMENTS, 4.081)] {
             let [before, peak, after] = step_response(params);
@@ -316,6 +317,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn reproduces_the_published_step_without_static_torque() {
         for (params, peak_a) in [(MOTOR_PASEK, 4.578), (MOTOR_MOMENTS, 3.985)] {
             let [_, peak, after] = step_response(DcMotorParams { coulomb_nm: 0.0, ..params });

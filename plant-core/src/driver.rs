@@ -395,6 +395,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn peak_torque_and_power_limit_the_acceleration() {
         let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
         let run = drive(&BMW_I3_60AH, 0.8, 0.0, 1000, |_| 50.0);
@@ -405,6 +406,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn the_brake_takes_what_regeneration_may_not() {
         let stop = |t: Real| max(20.0 - 1.5 * t, 0.0);
         let half = drive(&BMW_I3_60AH, 0.8, 20.0, 6000, stop);
@@ -417,6 +419,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn holds_at_standstill_with_the_brake() {
         let run = drive(&BMW_I3_60AH, 0.8, 5.0, 8000, |t| max(5.0 - 2.0 * t, 0.0));
         let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
