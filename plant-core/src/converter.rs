@@ -103,12 +103,14 @@ impl Converter {
     #[inline]
     #[must_use]
     pub const fn allowed_duty(&self, duty: Real) -> Real {
-        if duty.abs() <= self.params.duty_limit {
-            duty
-        } else if sane(duty) {
-            clamp(duty, -self.params.duty_limit, self.params.duty_limit)
+        if duty.abs() > self.params.duty_limit {
+            if sane(duty) {
+                clamp(duty, -self.params.duty_limit, self.params.duty_limit)
+            } else {
+                Real::NAN
+            }
         } else {
-            Real::NAN
+            duty
         }
     }
 

@@ -20,12 +20,12 @@ const GOLDEN: &str = "firmware-example/golden.toml";
 const CYCLE: &str = "data/cycles/udds.csv";
 /// The example, and what goes with it here and on target.
 const EXAMPLE: &str = "capi/example/main.c";
-const HERE: &str = "capi/example/host.c";
+pub const HERE: &str = "capi/example/host.c";
 /// Reset and memory map of a C program in QEMU.
 pub const STARTUP: &str = "capi/example/mps2.c";
-const MAP: &str = "capi/example/mps2.ld";
+pub const MAP: &str = "capi/example/mps2.ld";
 
-const WARNINGS: &[&str] = &["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic"];
+pub const WARNINGS: &[&str] = &["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic"];
 /// A fused multiply-add rounds differently where it is not in hardware.
 const SAME_BITS: &str = "-ffp-contract=off";
 /// The compiler's words for the Cortex-M4F.
@@ -85,7 +85,7 @@ fn table(csv: &str) -> Result<String> {
 }
 
 /// The library built for a target, or for this machine.
-fn library(target: Option<&str>) -> Result<PathBuf> {
+pub fn library(target: Option<&str>) -> Result<PathBuf> {
     let mut command = cargo();
     command.args(["build", "--quiet", "--release", "-p", PACKAGE]);
     let folder = Metadata::load()?.target_directory()?;

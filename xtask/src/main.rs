@@ -6,6 +6,7 @@
 
 mod args;
 mod capi;
+mod compare;
 mod counts;
 mod data;
 mod firmware;

@@ -399,7 +399,9 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     ) -> PowertrainOutput {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
         let mut resistance = self.body.resistance(&input.road, self.coast, v);
-        resistance.friction_n += self.gear_loss_n_per_a * i.abs();
+        if self.gear_loss_n_per_a > 0.0 {
+            resistance.friction_n += self.gear_loss_n_per_a * i.abs();
+        }
         let (mut start, source, open_circuit_v) = self.start(state, input.auxiliary_w, resistance);
         let commanded = self.converter.allowed_duty(input.duty);
         let mut solution = self.solve(&start, commanded);

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 
+use crate::compare;
 use crate::firmware;
 use crate::shell::{output, program, run};
 
@@ -48,6 +49,9 @@ const ITEMS: &[(&str, &str)] = &[
 /// How many of them are whole plants.
 const PLANTS: usize = 7;
 
+/// What the same plant in C is compared with.
+const COMPARED: &str = "plant_pid_off";
+
 /// An empty function: `push`, `mov`, `pop`. The target keeps frame pointers.
 const NOTHING: (&str, u64) = ("nothing", 3);
 
@@ -73,7 +77,7 @@ const STARVING: (&str, &str) = ("plant_torque", "starved");
 const DEEP: (&str, u64) = ("deep", 256);
 
 /// Instructions per call: least, mean, most.
-type Counted = (u64, f64, u64);
+pub type Counted = (u64, f64, u64);
 
 /// What one item costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +117,10 @@ pub fn counts() -> Result<()> {
         .iter()
         .map(|(name, about)| Ok((*about, *costs.get(*name).with_context(|| missing(name))?)))
         .collect::<Result<_>>()?;
-    publish(&(table(&rows) + &times(&rows[..PLANTS])?))?;
+    let ours = costs.get(COMPARED).with_context(|| missing(COMPARED))?;
+    let plugin = plugin(&firmware::binary("voltstep-bench")?)?;
+    let compared = compare::table((ours.mean, ours.flash, ours.state), &plugin)?;
+    publish(&(table(&rows) + &times(&rows[..PLANTS])? + &compared))?;
     let path = firmware::root().join(BASELINE);
     if std::env::var_os(ACCEPT).is_some() {
         let all: serde_json::Map<_, _> =
@@ -218,7 +225,7 @@ fn functions(nm: &str) -> Vec<(&str, String)> {
 }
 
 /// Minimum, mean and maximum of each item, from the plugin's log.
-fn parse_counts(log: &str) -> Result<Vec<(String, Counted)>> {
+pub fn parse_counts(log: &str) -> Result<Vec<(String, Counted)>> {
     log.lines()
         .filter_map(|line| line.strip_prefix("count "))
         .map(|line| {
@@ -251,7 +258,7 @@ fn flash(item: &str) -> Result<u64> {
 }
 
 /// The sum of some sections in the output of `size -A`.
-fn section_bytes(sizes: &str, sections: &[&str]) -> Result<u64> {
+pub fn section_bytes(sizes: &str, sections: &[&str]) -> Result<u64> {
     let mut sum = 0;
     for line in sizes.lines() {
         let mut words = line.split_whitespace();
