@@ -146,7 +146,9 @@ macro_rules! must {
     };
 }
 
-/// `?` for a `const fn`.
+/// `?` for a `const fn`, for crates that check their parameters as this one does.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! check {
     ($result:expr) => {
         match $result {
@@ -155,9 +157,13 @@ macro_rules! check {
         }
     };
 }
-pub(crate) use check;
+pub use check;
 
-pub(crate) const fn positive(field: &'static str, value: Real) -> Result<Real, ParamError> {
+/// `value` must lie between 1e-12 and 1e12.
+///
+/// # Errors
+/// [`ParamError::NotPositive`] names `field`.
+pub const fn positive(field: &'static str, value: Real) -> Result<Real, ParamError> {
     if value >= SMALLEST_PARAM && value <= LARGEST_PARAM {
         Ok(value)
     } else {
@@ -165,7 +171,11 @@ pub(crate) const fn positive(field: &'static str, value: Real) -> Result<Real, P
     }
 }
 
-pub(crate) const fn not_negative(field: &'static str, value: Real) -> Result<Real, ParamError> {
+/// `value` must lie zero or above and at most 1e12.
+///
+/// # Errors
+/// [`ParamError::Negative`] names `field`.
+pub const fn not_negative(field: &'static str, value: Real) -> Result<Real, ParamError> {
     if value >= 0.0 && value <= LARGEST_PARAM {
         Ok(value)
     } else {
@@ -173,7 +183,11 @@ pub(crate) const fn not_negative(field: &'static str, value: Real) -> Result<Rea
     }
 }
 
-pub(crate) const fn finite(field: &'static str, value: Real) -> Result<Real, ParamError> {
+/// `value` must be finite and between −1e12 and 1e12.
+///
+/// # Errors
+/// [`ParamError::NotFinite`] names `field`.
+pub const fn finite(field: &'static str, value: Real) -> Result<Real, ParamError> {
     if value >= -LARGEST_PARAM && value <= LARGEST_PARAM {
         Ok(value)
     } else {
@@ -182,19 +196,33 @@ pub(crate) const fn finite(field: &'static str, value: Real) -> Result<Real, Par
 }
 
 /// A limit: above zero, infinity for none.
-pub(crate) const fn limit(field: &'static str, value: Real) -> Result<Real, ParamError> {
+///
+/// # Errors
+/// [`ParamError::NotALimit`] names `field`.
+pub const fn limit(field: &'static str, value: Real) -> Result<Real, ParamError> {
     if value >= SMALLEST_PARAM { Ok(value) } else { Err(ParamError::NotALimit(field)) }
 }
 
-pub(crate) const fn ratio(field: &'static str, value: Real) -> Result<Real, ParamError> {
+/// `value` must lie in 0..1.
+///
+/// # Errors
+/// [`ParamError::NotARatio`] names `field`.
+pub const fn ratio(field: &'static str, value: Real) -> Result<Real, ParamError> {
     if value >= 0.0 && value <= 1.0 { Ok(value) } else { Err(ParamError::NotARatio(field)) }
 }
 
-pub(crate) const fn efficiency(field: &'static str, value: Real) -> Result<Real, ParamError> {
+/// `value` must lie above 0 and up to 1.
+///
+/// # Errors
+/// [`ParamError::NotAnEfficiency`] names `field`.
+pub const fn efficiency(field: &'static str, value: Real) -> Result<Real, ParamError> {
     if value > 0.0 && value <= 1.0 { Ok(value) } else { Err(ParamError::NotAnEfficiency(field)) }
 }
 
 /// `value` must lie above `low`.
-pub(crate) const fn above(field: &'static str, value: Real, low: Real) -> Result<Real, ParamError> {
+///
+/// # Errors
+/// [`ParamError::NotAbove`] names `field`.
+pub const fn above(field: &'static str, value: Real, low: Real) -> Result<Real, ParamError> {
     if value > low { Ok(value) } else { Err(ParamError::NotAbove(field)) }
 }

@@ -29,7 +29,7 @@ pub const PARTS: &[Part] = &[
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
     part("docs", "the documentation builds without a warning", docs),
-    part("thumb", "plant-core builds for Cortex-M4F with each set of features", thumb),
+    part("thumb", "what runs on target builds for Cortex-M4F and M0+, with each feature", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
     Part {
         needs_data: true,
@@ -110,17 +110,22 @@ const fn part(name: &'static str, about: &'static str, run: fn() -> Result<()>) 
     Part { name, about, needs_data: false, run }
 }
 
-/// The microcontroller target: Cortex-M4F.
-const TARGET: &str = "thumbv7em-none-eabihf";
+/// The microcontroller targets: Cortex-M4F, and Cortex-M0+ with its floating point in software.
+const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "thumbv6m-none-eabi"];
 
-/// The twin of plant-core in double precision: its library has the same name.
-const TWIN: &str = "plant-core-f64";
+/// The packages that run on them.
+const ON_TARGET: [&str; 2] = ["plant-core", "voltstep-bms"];
+
+/// The twins in double precision: the same sources.
+const TWINS: [&str; 2] = ["plant-core-f64", "voltstep-bms-f64"];
 
 fn setup() -> Result<()> {
     for component in ["rustfmt", "clippy"] {
         rustup("component", component)?;
     }
-    rustup("target", TARGET)?;
+    for target in TARGETS {
+        rustup("target", target)?;
+    }
     firmware::setup()
 }
 
@@ -175,15 +180,20 @@ fn tests() -> Result<()> {
 
 fn docs() -> Result<()> {
     run(cargo()
-        .args(["doc", "--workspace", "--no-deps", "--all-features", "--exclude", TWIN])
+        .args(["doc", "--workspace", "--no-deps", "--all-features"])
+        .args(TWINS.iter().flat_map(|twin| ["--exclude", twin]))
         .env("RUSTDOCFLAGS", "-D warnings"))
 }
 
 fn thumb() -> Result<()> {
-    let package = "plant-core";
-    for features in feature_sets(&Metadata::load()?.features(package)?) {
-        run(cargo().args(["build", "-p", package, "--target", TARGET, "--release"]).args(features))
-            .context("does not build on target")?;
+    let metadata = Metadata::load()?;
+    for package in ON_TARGET {
+        for features in feature_sets(&metadata.features(package)?) {
+            for target in TARGETS {
+                let build = ["build", "-p", package, "--target", target, "--release"];
+                run(cargo().args(build).args(&features)).context("does not build on target")?;
+            }
+        }
     }
     Ok(())
 }
@@ -243,10 +253,10 @@ mod tests {
     fn rustup_lists() {
         let installed = "cargo-x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n";
         assert!(lists(installed, "cargo"));
-        assert!(lists(installed, TARGET));
+        assert!(lists(installed, TARGETS[0]));
         assert!(!lists(installed, "clippy"));
         assert!(!lists(installed, "thumbv7em-none-eabi"));
-        assert!(!lists("", TARGET));
+        assert!(!lists("", TARGETS[0]));
     }
 
     #[test]

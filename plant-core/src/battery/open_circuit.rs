@@ -21,6 +21,9 @@ pub enum OpenCircuit {
     Table(SocTable),
 }
 
+/// Steps of a bisection over 0..1: finer than what f32 resolves near 1.
+const BISECTIONS: u32 = 26;
+
 impl OpenCircuit {
     pub(crate) const fn checked(self) -> Result<Self, ParamError> {
         match &self {
@@ -50,6 +53,41 @@ impl OpenCircuit {
         }
     }
 
+    /// The voltage at `soc` \[V\], and how fast it rises there \[V per unit of SOC\].
+    #[inline]
+    #[must_use]
+    pub fn with_slope(&self, soc: Real) -> (Real, Real) {
+        match self {
+            Self::Linear { empty_v, full_v } => (self.at(soc), full_v - empty_v),
+            Self::Table(table) => table.with_slope(soc),
+        }
+    }
+
+    /// The state of charge at which the voltage is `voltage_v`; 0 or 1 beyond the curve's ends, and
+    /// within a flat stretch its middle.
+    #[must_use]
+    pub fn soc_at(&self, voltage_v: Real) -> Real {
+        0.5 * (self.first(|v| v >= voltage_v) + self.first(|v| v > voltage_v))
+    }
+
+    /// The lowest state of charge whose voltage is `enough`; 1 where none is.
+    fn first(&self, enough: impl Fn(Real) -> bool) -> Real {
+        let (mut low, mut high) = (0.0, 1.0);
+        if enough(self.at(low)) {
+            return low;
+        }
+        // One bit of the answer each.
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if enough(self.at(middle)) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+
     /// The mean of the voltage between two states of charge \[V\].
     #[must_use]
     pub fn mean(&self, from: Real, to: Real) -> Real {
@@ -76,6 +114,22 @@ mod tests {
             assert!((LINE.mean(0.3, soc) - table.mean(0.3, soc)).abs() < 1e-3);
         }
         assert!((LINE.mean(0.0, 1.0) - 350.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn finds_the_charge_of_a_voltage() {
+        const POINTS: [(Real, Real); 4] = [(0.0, 3.0), (0.25, 3.3), (0.75, 3.3), (1.0, 3.5)];
+        let curve = OpenCircuit::Table(SocTable::from_points("t", &POINTS).unwrap());
+        for curve in [LINE, curve] {
+            for soc in [0.0, 0.1, 0.2, 0.8, 0.9, 1.0] {
+                let found = curve.soc_at(curve.at(soc));
+                assert!((found - soc).abs() < 1e-5, "{soc}: {found}");
+            }
+        }
+        assert!((curve.soc_at(3.3) - 0.5).abs() < 1e-5, "the middle of a flat stretch");
+        assert_eq!((curve.soc_at(2.0), curve.soc_at(9.0)), (0.0, 1.0));
+        assert_eq!(LINE.with_slope(0.5), (350.0, 100.0));
+        assert!((curve.with_slope(0.1).1 - 1.2).abs() < 1e-3);
     }
 
     #[test]

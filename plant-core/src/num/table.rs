@@ -6,6 +6,9 @@ use crate::error::{ParamError, check};
 /// Points of a [`SocTable`].
 pub const SOC_POINTS: usize = 65;
 const INTERVALS: usize = SOC_POINTS - 1;
+/// Intervals per unit of the state of charge.
+#[expect(clippy::cast_precision_loss, reason = "64")]
+const RESOLUTION: Real = INTERVALS as Real;
 
 /// A quantity over the state of charge: 65 points, evenly spaced over 0..1, linear in between.
 ///
@@ -92,9 +95,18 @@ impl SocTable {
         reason = "the value is held in 0..64 first"
     )]
     fn find(soc: Real) -> (usize, Real) {
-        let x = super::clamp(soc, 0.0, 1.0) * INTERVALS as Real;
+        let x = super::clamp(soc, 0.0, 1.0) * RESOLUTION;
         let i = (x as usize).min(INTERVALS - 1);
         (i, x - i as Real)
+    }
+
+    /// The value and its slope at `soc`; outside 0..1 those of the nearer end.
+    #[inline]
+    #[must_use]
+    pub fn with_slope(&self, soc: Real) -> (Real, Real) {
+        let (i, along) = Self::find(soc);
+        let rise = self.values[i + 1] - self.values[i];
+        (self.values[i] + along * rise, rise * RESOLUTION)
     }
 
     /// The mean of the value between two states of charge, in closed form over each interval; as
@@ -158,6 +170,16 @@ mod tests {
     fn holds_its_ends_where_the_points_do_not_reach() {
         let t = SocTable::from_points("t", &[(0.25, 1.0), (0.75, 3.0)]).unwrap();
         assert_eq!((t.at(0.0), t.at(0.5), t.at(1.0)), (1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn knows_its_slope() {
+        let t = SocTable::from_points("t", &KNEE).unwrap();
+        for (soc, slope) in [(-1.0, 200.0), (0.1, 200.0), (0.26, 66.667), (1.0, 66.667)] {
+            let (value, found) = t.with_slope(soc);
+            assert_eq!(value, t.at(soc));
+            assert!((found - slope).abs() < 0.1, "{soc}: {found}");
+        }
     }
 
     #[test]
