@@ -17,10 +17,14 @@
 //! # Map
 //! | Module | What it does |
 //! |---|---|
+//! | [`estimate`] | what is believed to be in a battery |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
+pub mod estimate;
+
+pub use estimate::Estimate;
 pub use plant_core::{Accum, Dt, ParamError, Real};
