@@ -18,12 +18,14 @@
 //! | Module | What it does |
 //! |---|---|
 //! | [`estimate`] | what is believed to be in a battery |
+//! | [`ekf`] | state of charge from current and voltage, by a Kalman filter that knows its limits |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
+pub mod ekf;
 pub mod estimate;
 
 pub use estimate::Estimate;

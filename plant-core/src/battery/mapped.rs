@@ -288,11 +288,7 @@ impl MappedBattery {
     pub fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
         *state = self.next(state, current_a);
         // Only the last bit can lie outside: the limits saw to the rest.
-        if state.soc.get() < 0.0 {
-            state.soc = Accum::new(0.0);
-        } else if state.soc.get() > 1.0 {
-            state.soc = Accum::new(1.0);
-        }
+        state.soc.clamp(0.0, 1.0);
     }
 
     /// Counts a step; when it is time, temperature and resistances follow.

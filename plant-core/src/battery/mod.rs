@@ -211,11 +211,7 @@ impl Battery {
     pub const fn settle(&self, state: &mut BatteryState, current_a: Real) {
         *state = self.next(state, current_a);
         // Only the last bit can lie outside: the limits saw to the rest.
-        if state.soc.get() < 0.0 {
-            state.soc = Accum::new(0.0);
-        } else if state.soc.get() > 1.0 {
-            state.soc = Accum::new(1.0);
-        }
+        state.soc.clamp(0.0, 1.0);
     }
 
     /// Energy stored above SOC 0 at the open-circuit voltage, and in the RC branch \[J\].

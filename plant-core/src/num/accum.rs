@@ -36,6 +36,16 @@ impl Accum {
         self.value = sum;
     }
 
+    /// Holds it between two values.
+    #[inline]
+    pub const fn clamp(&mut self, low: Real, high: Real) {
+        if self.value < low {
+            *self = Self::new(low);
+        } else if self.value > high {
+            *self = Self::new(high);
+        }
+    }
+
     /// This sum minus `earlier`, with what both have kept back: exact to the last bit of the
     /// difference where the two are close.
     #[inline]
@@ -74,6 +84,15 @@ mod tests {
         assert!((sum.get() - 1.01).abs() < 2e-7);
         if cfg!(not(feature = "twin-f64")) {
             assert!((plain - 1.0).abs() < 1e-7, "the plain sum must be seen to fail");
+        }
+    }
+
+    #[test]
+    fn holds_between_its_ends() {
+        for (value, held) in [(-0.1, 0.0), (0.4, 0.4), (1.5, 1.0)] {
+            let mut sum = Accum::new(value);
+            sum.clamp(0.0, 1.0);
+            assert_eq!(sum, Accum::new(held));
         }
     }
 

@@ -1,0 +1,293 @@
+//! What an [`Ekf`] does at a slower rate, and what it does rarely: starts, resistances over state
+//! of charge and temperature, the size of the model's error, the sensor's offset, gaps.
+
+use plant_core::error::ratio;
+use plant_core::num::{Accum, Real, lag_gain, max, min, sign, sqrt};
+use plant_core::{ParamError, check};
+
+use super::{Correction, Ekf, EkfInput, EkfOutput, EkfState};
+
+/// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
+const UNKNOWN_SD: Real = 0.288_675_13;
+/// The mean magnitude of the current follows over this time \[s\].
+const LOAD_MEMORY_S: Real = 300.0;
+/// The model's faster errors are correlated over this time \[s\].
+const DYNAMICS_S: Real = 10.0;
+/// The random walk of the drift reaches the drift itself after this time \[s\].
+const DRIFT_HORIZON_S: Real = 3600.0;
+/// The offset of the current sensor is learnt over this time with open contactors \[s\] …
+const OFFSET_MEMORY_S: Real = 30.0;
+/// … down to this share of its standard deviation.
+const OFFSET_LEARNT: Real = 0.1;
+/// What an outlier adds to the standard deviation of the state of charge, per square root of a
+/// second: what keeps on contradicting the filter wins.
+const DISTRUST: Real = 0.003;
+/// The mean squared residual follows over this time \[s\].
+const CONSISTENCY_S: Real = 60.0;
+/// The noise of a voltage that says nothing \[V²\].
+const SILENT_V2: Real = 1e9;
+/// Temperatures outside are no measurement \[°C\].
+const TEMPERATURES_C: core::ops::RangeInclusive<Real> = -100.0..=200.0;
+
+/// What changes slowly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Slow {
+    /// Mean magnitude of the current \[A\]; negative before the first step.
+    load_a: Real,
+    /// The standard deviation of the model's error \[V\].
+    pub(super) error_sd_v: Real,
+    /// Mean squared residual in units of its variance: below 1 where the filter is honest.
+    pub(super) consistency: Real,
+    /// All that a steady current sees \[Ω\], and the branches' part of it.
+    total_ohm: Real,
+    polarisation_ohm: Real,
+    /// What is left of an unknown polarisation \[V\].
+    polarisation_sd_v: Real,
+    pub(super) hysteresis: Real,
+    /// How little of the hysteresis is known: 1 at the start.
+    hysteresis_sd: Real,
+    soc_before: Real,
+    offset_sd_a: Real,
+    pub(super) temperature_c: Real,
+    pub(super) temperature_missing: bool,
+}
+
+impl Ekf {
+    /// Starts with a state of charge that is known from elsewhere (a stored record, a charger that
+    /// has just filled the battery), with its standard deviation; the battery need not be rested.
+    ///
+    /// # Errors
+    /// [`ParamError`] for a state of charge or a standard deviation outside 0..1, or a temperature
+    /// outside −100..200 °C.
+    pub fn start(
+        &self,
+        soc: Real,
+        soc_sd: Real,
+        temperature_c: Real,
+    ) -> Result<EkfState, ParamError> {
+        check!(ratio("soc", soc));
+        check!(ratio("soc_sd", soc_sd));
+        if !TEMPERATURES_C.contains(&temperature_c) {
+            return Err(ParamError::OutOfRange("temperature_c"));
+        }
+        let known = &self.params.uncertainty;
+        let error_sd_v = known.open_circuit_sd_v;
+        Ok(EkfState {
+            soc: Accum::new(soc),
+            polarisation_v: [0.0; 2],
+            error_v: 0.0,
+            own_variance: max(soc_sd * soc_sd, Real::EPSILON),
+            shared_per_v: 0.0,
+            error_variance_v2: error_sd_v * error_sd_v,
+            current_offset_a: 0.0,
+            series_ohm: 0.0,
+            branch_ohm: [0.0; 2],
+            hysteresis_v: 0.0,
+            noise_v2: known.voltage_sd_v * known.voltage_sd_v,
+            load_sum_a: 0.0,
+            squares_sum: 0.0,
+            steps_left: 0,
+            slow: Slow {
+                load_a: -1.0,
+                error_sd_v,
+                consistency: 0.0,
+                total_ohm: 0.0,
+                polarisation_ohm: 0.0,
+                polarisation_sd_v: known.polarisation_sd_v,
+                hysteresis: 0.0,
+                hysteresis_sd: 1.0,
+                soc_before: soc,
+                offset_sd_a: known.current_offset_sd_a,
+                temperature_c,
+                temperature_missing: false,
+            },
+        })
+    }
+
+    /// Starts with nothing known of the state of charge.
+    ///
+    /// # Errors
+    /// [`ParamError::OutOfRange`] for a temperature outside −100..200 °C.
+    pub fn start_unknown(&self, temperature_c: Real) -> Result<EkfState, ParamError> {
+        self.start(0.5, UNKNOWN_SD, temperature_c)
+    }
+
+    /// Starts with the voltage of a rested battery. How long a rest is enough is the battery's
+    /// matter: some times its slower time constant.
+    ///
+    /// # Errors
+    /// [`ParamError::NotFinite`] for a voltage that is no number, [`ParamError::OutOfRange`] for a
+    /// temperature outside −100..200 °C.
+    pub fn start_rested(
+        &self,
+        voltage_v: Real,
+        temperature_c: Real,
+    ) -> Result<EkfState, ParamError> {
+        check!(plant_core::error::finite("voltage_v", voltage_v));
+        let soc = self.params.battery.open_circuit.soc_at(voltage_v);
+        let mut state = self.start(soc, UNKNOWN_SD, temperature_c)?;
+        state.slow.polarisation_sd_v = 0.0;
+        self.follow_error(&mut state, 0.0);
+        // What the curve's error and slope let the voltage say.
+        if !self.is_flat(&state) {
+            Correction::new(&state, self.open_circuit(soc).1).shrink(&mut state);
+        }
+        Ok(state)
+    }
+
+    /// Brings resistances and covariance up to temperature, load and charge.
+    /// [`step`](Self::step) calls it every
+    /// [`refresh_s`](plant_core::battery::MappedBatteryParams::refresh_s).
+    #[inline(never)]
+    pub fn refresh(&self, state: &mut EkfState, input: &EkfInput) {
+        state.slow.temperature_missing = !TEMPERATURES_C.contains(&input.temperature_c);
+        if !state.slow.temperature_missing {
+            state.slow.temperature_c = input.temperature_c;
+        }
+        let measured_a =
+            if input.current_a.abs() <= self.largest_a { input.current_a } else { 0.0 };
+        let steps = self.steps();
+        let refresh_s = steps * self.dt_s;
+        let mean_a = if state.slow.load_a < 0.0 {
+            // Before the first step: as if this load had been on for long.
+            state.slow.load_a = measured_a.abs();
+            state.slow.load_a
+        } else {
+            let mean_a = state.load_sum_a / steps;
+            state.slow.load_a += lag_gain(refresh_s / LOAD_MEMORY_S) * (mean_a - state.slow.load_a);
+            let mean_square = state.squares_sum / steps;
+            let gain = lag_gain(refresh_s / CONSISTENCY_S);
+            state.slow.consistency += gain * (mean_square - state.slow.consistency);
+            let map = &self.params.battery;
+            let memory_s =
+                max(map.polarisation.time_constant_s, map.second_polarisation.time_constant_s);
+            state.slow.polarisation_sd_v /= 1.0 + refresh_s / memory_s;
+            mean_a
+        };
+        state.load_sum_a = 0.0;
+        state.squares_sum = 0.0;
+        state.steps_left = self.refresh_steps;
+        state.soc.clamp(0.0, 1.0);
+        if input.contactors_open {
+            let gain = lag_gain(refresh_s / OFFSET_MEMORY_S);
+            state.current_offset_a += gain * (measured_a - state.current_offset_a);
+            let learnt_a = OFFSET_LEARNT * self.params.uncertainty.current_offset_sd_a;
+            state.slow.offset_sd_a += gain * (learnt_a - state.slow.offset_sd_a);
+        }
+        let moved = mean_a * self.soc_per_a * steps;
+        self.follow_hysteresis(state, moved);
+        self.follow_error(state, moved);
+        self.follow_noise(state, max(mean_a, state.slow.load_a));
+    }
+
+    #[allow(clippy::cast_precision_loss, clippy::cast_lossless, reason = "a length of time")]
+    const fn steps(&self) -> Real {
+        self.refresh_steps as Real
+    }
+
+    /// Resistances; the model's error after the state of charge has moved by `moved`, without its
+    /// sign.
+    fn follow_error(&self, state: &mut EkfState, moved: Real) {
+        let outside = self.outside(state);
+        let slow = &mut state.slow;
+        let now = self.battery.resistances(state.soc.get(), slow.temperature_c);
+        let [fast, slower] = now.polarisation_ohm;
+        state.series_ohm = now.series_ohm;
+        state.branch_ohm = [self.gains[0] * fast, self.gains[1] * slower];
+        slow.polarisation_ohm = fast + slower;
+        slow.total_ohm = now.series_ohm + slow.polarisation_ohm;
+
+        let known = &self.params.uncertainty;
+        let hysteresis_v = self.params.battery.hysteresis.half_gap_v * slow.hysteresis_sd;
+        let load_v = known.resistance_sd * slow.total_ohm * max(slow.load_a, 0.0);
+        let squares = known.open_circuit_sd_v * known.open_circuit_sd_v
+            + load_v * load_v
+            + slow.polarisation_sd_v * slow.polarisation_sd_v
+            + hysteresis_v * hysteresis_v;
+        let before_v2 = slow.error_sd_v * slow.error_sd_v;
+        slow.error_sd_v = outside * sqrt(squares);
+        let after_v2 = slow.error_sd_v * slow.error_sd_v;
+
+        // From one stationary variance to the other, forgetting what has gone.
+        let keep = (1.0 - min(moved / known.correlation_soc, 1.0)) * min(after_v2 / before_v2, 1.0);
+        let added_v2 = max(after_v2 - keep * keep * before_v2, 0.0);
+        let variance_v2 = keep * keep * state.error_variance_v2 + added_v2;
+        let share = state.error_variance_v2 / variance_v2;
+        state.own_variance += state.shared_per_v * state.shared_per_v * share * added_v2;
+        state.shared_per_v *= keep * share;
+        state.error_variance_v2 = variance_v2;
+        state.error_v *= keep;
+    }
+
+    /// How many times larger the model's error is here.
+    fn outside(&self, state: &EkfState) -> Real {
+        let range = &self.params.battery.identified;
+        if range.holds(state.soc.get(), state.slow.temperature_c) {
+            1.0
+        } else {
+            self.params.uncertainty.outside_factor
+        }
+    }
+
+    /// What a step counts as noise, and the drift since the last refresh.
+    fn follow_noise(&self, state: &mut EkfState, load_a: Real) {
+        let known = &self.params.uncertainty;
+        let dynamics_v = self.outside(state) * known.resistance_sd * state.slow.total_ohm * load_a;
+        let density = max(2.0 * DYNAMICS_S / self.dt_s, 1.0);
+        state.noise_v2 = if self.is_flat(state) {
+            SILENT_V2
+        } else {
+            known.voltage_sd_v * known.voltage_sd_v + dynamics_v * dynamics_v * density
+        };
+        let unknown_a = known.capacity_sd * state.slow.load_a;
+        let drift_a2 = state.slow.offset_sd_a * state.slow.offset_sd_a + unknown_a * unknown_a;
+        let soc_per_a = self.soc_per_a * self.steps();
+        let times = DRIFT_HORIZON_S / (self.dt_s * self.steps());
+        state.own_variance += drift_a2 * soc_per_a * soc_per_a * times;
+    }
+
+    fn follow_hysteresis(&self, state: &mut EkfState, moved: Real) {
+        let params = &self.params.battery.hysteresis;
+        if params.half_gap_v > 0.0 {
+            let rise = state.soc.get() - state.slow.soc_before;
+            // A correction moves no charge.
+            let way = lag_gain(params.rate_per_soc * min(rise.abs(), moved));
+            state.slow.hysteresis += way * (sign(rise) - state.slow.hysteresis);
+            state.slow.hysteresis_sd -= way * state.slow.hysteresis_sd;
+            state.hysteresis_v = params.half_gap_v * state.slow.hysteresis;
+        }
+        state.slow.soc_before = state.soc.get();
+    }
+
+    /// A step without a voltage, or without a current.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn miss(&self, state: &mut EkfState, current_a: Real) -> EkfOutput {
+        if current_a.abs() <= self.largest_a {
+            state.load_sum_a += current_a.abs();
+            let current_a = current_a - state.current_offset_a;
+            self.polarise(state, current_a);
+            state.soc.add(-(current_a * self.soc_per_a));
+        } else {
+            // Any current may have flowed; what it did is no random walk.
+            let unseen_a = min(self.params.unseen_current_a, self.largest_a);
+            let sd = min(sqrt(state.variance()) + unseen_a * self.soc_per_a, UNKNOWN_SD);
+            let shared = state.variance() - state.own_variance;
+            state.own_variance = max(state.own_variance, sd * sd - shared);
+            let [fast, slow] = state.branch_ohm;
+            let sd_v = state.slow.polarisation_sd_v;
+            let most_v = unseen_a * state.slow.polarisation_ohm;
+            state.slow.polarisation_sd_v = max(sd_v, min(sd_v + unseen_a * (fast + slow), most_v));
+        }
+        EkfOutput { residual_v: 0.0, rejected: true }
+    }
+
+    /// A voltage that contradicts the filter is not used, but makes it less sure.
+    pub(super) fn distrust(&self, state: &mut EkfState) {
+        let most = UNKNOWN_SD * UNKNOWN_SD;
+        if state.own_variance < most {
+            state.own_variance = min(state.own_variance + DISTRUST * DISTRUST * self.dt_s, most);
+        }
+    }
+}
