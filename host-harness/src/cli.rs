@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::input_error::on_one_line;
 use crate::replay::{self, Options};
-use crate::{measured, validate};
+use crate::{measured, soc, validate};
 
 /// EV powertrain plant: replays driving cycles and real trips.
 #[derive(Debug, Parser)]
@@ -68,6 +68,36 @@ enum Command {
         /// For --trips and --cells: length of a step in milliseconds
         #[arg(long, value_name = "MS", default_value_t = 10.0)]
         dt_ms: f64,
+        /// Print JSON instead of the table
+        #[arg(long)]
+        json: bool,
+    },
+    /// Run a state-of-charge estimator over measured cell tests or trips and compare it with the
+    /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest
+    Soc {
+        /// Cell tests, trip files, or folders of them
+        #[arg(required = true, value_name = "FILE|DIR", value_parser = soc::check_path)]
+        files: Vec<PathBuf>,
+        /// A built-in battery (see `voltstep list`) or a battery file [default: the cell for cell
+        /// tests, the car's pack for trips]
+        #[arg(long, value_name = "NAME|FILE.toml")]
+        cell: Option<String>,
+        /// The estimator
+        #[arg(long, value_enum, default_value_t = soc::Estimator::Ekf)]
+        estimator: soc::Estimator,
+        /// How wrong the state of charge is that the estimator is told at the start, 0..1; taken
+        /// away where the sum leaves 0..1
+        #[arg(long, value_name = "RATIO", default_value_t = 0.0, allow_negative_numbers = true)]
+        initial_soc_error: f64,
+        /// Added to every measured current
+        #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true)]
+        current_bias_a: f64,
+        /// Samples per second
+        #[arg(long, value_name = "HZ", default_value_t = 10.0)]
+        rate_hz: f64,
+        /// Run the standard set of wrong starts, biases, noise, resistances and capacities
+        #[arg(long, conflicts_with_all = ["initial_soc_error", "current_bias_a"])]
+        matrix: bool,
         /// Print JSON instead of the table
         #[arg(long)]
         json: bool,
@@ -143,6 +173,25 @@ fn run(command: Command) -> anyhow::Result<bool> {
             let report = validate::run(true);
             print(&if json { report.to_json()? } else { report.table() })?;
             Ok(report.is_good())
+        }
+        Command::Soc {
+            files,
+            cell,
+            estimator,
+            initial_soc_error,
+            current_bias_a,
+            rate_hz,
+            matrix,
+            json,
+        } => {
+            let cases = if matrix {
+                soc::Case::MATRIX.to_vec()
+            } else {
+                vec![soc::Case::wrong(initial_soc_error, current_bias_a)?]
+            };
+            let report = soc::run(&files, &soc::Options { cell, estimator, rate_hz, cases })?;
+            print(&if json { report.to_json()? } else { report.table() })?;
+            Ok(!matrix || report.is_honest())
         }
         Command::Endurance { years, json } => {
             let report = validate::endurance::run(years, true)?;

@@ -14,6 +14,7 @@
 //! | [`replay`] | all of it, end to end |
 //! | [`validate`] | every published experiment and an independent solution, against ours |
 //! | [`measured`] | a folder of real measurements, against ours |
+//! | [`soc`] | the estimators of `voltstep-bms` over measurements |
 //!
 //! Private: `table` (the summary on a terminal), `sheet` and `plot` (the plot sheet), `output`
 //! (files that appear whole or not at all).
@@ -33,6 +34,7 @@ pub mod replay;
 pub mod route;
 pub mod run;
 mod sheet;
+pub mod soc;
 pub mod summary;
 pub mod synthetic;
 mod table;

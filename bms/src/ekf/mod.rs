@@ -79,8 +79,9 @@ pub struct EkfState {
     /// The resistances of the branches times the gains of a step \[Ω\].
     branch_ohm: [Real; 2],
     hysteresis_v: Real,
-    /// Variance of what a step takes for noise \[V²\].
+    /// Variance of what a step takes for noise \[V²\], and what each A² of its current adds.
     noise_v2: Real,
+    load_noise_ohm2: Real,
     /// Magnitude of the current, summed over the steps since the last refresh \[A\].
     load_sum_a: Real,
     /// Squared residuals in units of their variance, summed likewise.
@@ -147,11 +148,11 @@ struct Correction {
 
 impl Correction {
     #[inline(always)]
-    fn new(state: &EkfState, slope: Real) -> Self {
+    fn new(state: &EkfState, slope: Real, noise_v2: Real) -> Self {
         let weight = state.shared_per_v * slope + 1.0;
         let own_v = state.own_variance * slope;
         let error_v2 = state.error_variance_v2 * weight;
-        let partial_v2 = state.noise_v2 + slope * own_v;
+        let partial_v2 = noise_v2 + slope * own_v;
         let per_total = 1.0 / (partial_v2 + weight * error_v2);
         Self {
             partial_v2,
@@ -164,11 +165,27 @@ impl Correction {
 
     /// What it does to the covariance.
     #[inline(always)]
-    fn shrink(&self, state: &mut EkfState) {
+    fn shrink(&self, state: &mut EkfState, noise_v2: Real) {
         let per_partial = 1.0 / self.partial_v2;
         state.shared_per_v -= self.cross_v * per_partial;
-        state.own_variance *= state.noise_v2 * per_partial;
+        state.own_variance *= noise_v2 * per_partial;
         state.error_variance_v2 *= self.partial_v2 * self.per_total;
+    }
+
+    /// Corrects state and covariance by a residual, after `soc_drop`.
+    #[inline(always)]
+    fn apply(
+        &self,
+        state: &mut EkfState,
+        soc_drop: Real,
+        residual_v: Real,
+        noise_v2: Real,
+    ) -> EkfOutput {
+        state.squares_sum += residual_v * residual_v * self.per_total;
+        state.soc.add(self.soc_per_v * residual_v - soc_drop);
+        state.error_v += self.error_gain * residual_v;
+        self.shrink(state, noise_v2);
+        EkfOutput { residual_v, rejected: false }
     }
 }
 
@@ -237,23 +254,14 @@ impl Ekf {
         let drop_v = state.series_ohm * current_a + fast_v + slow_v;
         let expected_v = open_circuit_v + state.hysteresis_v + state.error_v - drop_v;
         let residual_v = voltage_v - expected_v;
-        let mut correction = Correction::new(state, slope);
-        let squares = residual_v * residual_v * correction.per_total;
-        let mut rise = correction.soc_per_v * residual_v;
-        if rise.abs() > LARGE_CORRECTION || squares > OUTLIER * OUTLIER {
-            let Some(better) = self.relinearised(state, correction, open_circuit_v, residual_v)
-            else {
-                state.soc.add(-soc_drop);
-                return EkfOutput { residual_v, rejected: false };
-            };
-            correction = better;
-            rise = correction.soc_per_v * residual_v;
+        let noise_v2 = state.noise_v2 + state.load_noise_ohm2 * (current_a * current_a);
+        let correction = Correction::new(state, slope, noise_v2);
+        if (correction.soc_per_v * residual_v).abs() > LARGE_CORRECTION
+            || residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER
+        {
+            return self.surprise(state, soc_drop, residual_v, noise_v2);
         }
-        state.squares_sum += squares;
-        state.soc.add(rise - soc_drop);
-        state.error_v += correction.error_gain * residual_v;
-        correction.shrink(state);
-        EkfOutput { residual_v, rejected: false }
+        correction.apply(state, soc_drop, residual_v, noise_v2)
     }
 
     /// The RC branches under a current \[V\].
@@ -280,33 +288,34 @@ impl Ekf {
     }
 
     /// A large correction with the mean slope of the curve on its way: where the curve bends, the
-    /// slope at its start would lead astray. None where the residual is no measurement.
+    /// slope at its start would lead astray. A residual that is no measurement corrects nothing.
     #[cold]
     #[inline(never)]
-    fn relinearised(
+    fn surprise(
         &self,
         state: &mut EkfState,
-        first: Correction,
-        open_circuit_v: Real,
+        soc_drop: Real,
         residual_v: Real,
-    ) -> Option<Correction> {
-        let soc = state.soc.get();
-        let mut correction = first;
+        noise_v2: Real,
+    ) -> EkfOutput {
+        let soc = state.soc.get() - soc_drop;
+        let (open_circuit_v, slope) = self.open_circuit(soc);
+        let mut correction = Correction::new(state, slope, noise_v2);
         for _ in 0..CORRECTIONS {
             let way = clamp(soc + correction.soc_per_v * residual_v, 0.0, 1.0) - soc;
             if way.abs() < 0.1 * LARGE_CORRECTION {
                 break;
             }
             let slope = (self.open_circuit(soc + way).0 - open_circuit_v) / way;
-            correction = Correction::new(state, slope);
+            correction = Correction::new(state, slope, noise_v2);
         }
-        let squares = residual_v * residual_v * correction.per_total;
-        if squares <= OUTLIER * OUTLIER {
-            return Some(correction);
+        if residual_v * residual_v * correction.per_total <= OUTLIER * OUTLIER {
+            correction.apply(state, soc_drop, residual_v, noise_v2)
+        } else {
+            self.distrust(state);
+            state.soc.add(-soc_drop);
+            EkfOutput { residual_v, rejected: false }
         }
-        state.squares_sum += OUTLIER * OUTLIER;
-        self.distrust(state);
-        None
     }
 
     /// What is believed.

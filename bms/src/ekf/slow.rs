@@ -5,7 +5,7 @@ use plant_core::error::ratio;
 use plant_core::num::{Accum, Real, lag_gain, max, min, sign, sqrt};
 use plant_core::{ParamError, check};
 
-use super::{Correction, Ekf, EkfInput, EkfOutput, EkfState};
+use super::{Correction, Ekf, EkfInput, EkfOutput, EkfState, OUTLIER};
 
 /// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
 const UNKNOWN_SD: Real = 0.288_675_13;
@@ -85,6 +85,7 @@ impl Ekf {
             branch_ohm: [0.0; 2],
             hysteresis_v: 0.0,
             noise_v2: known.voltage_sd_v * known.voltage_sd_v,
+            load_noise_ohm2: 0.0,
             load_sum_a: 0.0,
             squares_sum: 0.0,
             steps_left: 0,
@@ -131,7 +132,8 @@ impl Ekf {
         self.follow_error(&mut state, 0.0);
         // What the curve's error and slope let the voltage say.
         if !self.is_flat(&state) {
-            Correction::new(&state, self.open_circuit(soc).1).shrink(&mut state);
+            let (noise_v2, slope) = (state.noise_v2, self.open_circuit(soc).1);
+            Correction::new(&state, slope, noise_v2).shrink(&mut state, noise_v2);
         }
         Ok(state)
     }
@@ -233,12 +235,13 @@ impl Ekf {
     /// What a step counts as noise, and the drift since the last refresh.
     fn follow_noise(&self, state: &mut EkfState, load_a: Real) {
         let known = &self.params.uncertainty;
-        let dynamics_v = self.outside(state) * known.resistance_sd * state.slow.total_ohm * load_a;
-        let density = max(2.0 * DYNAMICS_S / self.dt_s, 1.0);
+        let dynamics_ohm = self.outside(state) * known.resistance_sd * state.slow.total_ohm;
+        state.load_noise_ohm2 =
+            dynamics_ohm * dynamics_ohm * max(2.0 * DYNAMICS_S / self.dt_s, 1.0);
         state.noise_v2 = if self.is_flat(state) {
             SILENT_V2
         } else {
-            known.voltage_sd_v * known.voltage_sd_v + dynamics_v * dynamics_v * density
+            known.voltage_sd_v * known.voltage_sd_v + state.load_noise_ohm2 * load_a * load_a
         };
         let unknown_a = known.capacity_sd * state.slow.load_a;
         let drift_a2 = state.slow.offset_sd_a * state.slow.offset_sd_a + unknown_a * unknown_a;
@@ -285,6 +288,7 @@ impl Ekf {
 
     /// A voltage that contradicts the filter is not used, but makes it less sure.
     pub(super) fn distrust(&self, state: &mut EkfState) {
+        state.squares_sum += OUTLIER * OUTLIER;
         let most = UNKNOWN_SD * UNKNOWN_SD;
         if state.own_variance < most {
             state.own_variance = min(state.own_variance + DISTRUST * DISTRUST * self.dt_s, most);

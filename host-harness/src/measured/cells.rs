@@ -107,7 +107,7 @@ pub fn run(folder: &Path, cell: &str, dt_ms: f64) -> anyhow::Result<Report> {
 }
 
 /// Why a record is no drive cycle.
-fn no_drive_cycle(record: &CellRecord, capacity_ah: f64) -> Option<String> {
+pub(crate) fn no_drive_cycle(record: &CellRecord, capacity_ah: f64) -> Option<String> {
     let sampling_s = record.sampling_s();
     let unlogged = record.unlogged_ah() / capacity_ah;
     if sampling_s > SAMPLING_S {

@@ -15,7 +15,7 @@ pub use statistics::{Spread, Summary};
 ///
 /// # Errors
 /// A folder that cannot be read, or has none.
-fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub(crate) fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let shown = folder.display();
     let entries = std::fs::read_dir(folder).with_context(|| format!("{shown}: cannot be read"))?;
     let mut files = Vec::new();
