@@ -14,6 +14,10 @@
 //!   this, changes of the load would seem to tell the state of charge apart from the error.
 //! - **Faster errors** (the model's dynamics) are correlated over seconds: in a step they count as
 //!   noise with the same spectral density.
+//! - **The curve bends**: the least slope within three standard deviations counts; a curve that is
+//!   steep on one side only says little.
+//! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of
+//!   more than three standard deviations says that the battery has left the flat part, and where to.
 //! - **Drift**: offset of the current sensor and error of the capacity, as a random walk that
 //!   reaches their effect after an hour.
 //!
@@ -41,7 +45,7 @@ const LARGE_CORRECTION: Real = 0.02;
 const CORRECTIONS: u32 = 3;
 /// A residual beyond this many standard deviations is no measurement.
 const OUTLIER: Real = 6.0;
-/// The most that a mean squared residual, and the model's error, may be in their own units.
+/// The most that the model's error, and what is left of it, may be in standard deviations.
 const CONSISTENT: Real = 3.0;
 
 /// A Kalman filter for the state of charge, discretised for one step.
@@ -79,13 +83,15 @@ pub struct EkfState {
     /// The resistances of the branches times the gains of a step \[Ω\].
     branch_ohm: [Real; 2],
     hysteresis_v: Real,
+    /// The open-circuit curve's slope, as little as it may be \[V per unit of SOC\].
+    slope_v: Real,
     /// Variance of what a step takes for noise \[V²\], and what each A² of its current adds.
     noise_v2: Real,
     load_noise_ohm2: Real,
     /// Magnitude of the current, summed over the steps since the last refresh \[A\].
     load_sum_a: Real,
-    /// Squared residuals in units of their variance, summed likewise.
-    squares_sum: Real,
+    /// Measured less expected voltage, summed likewise \[V\].
+    residual_sum_v: Real,
     steps_left: u32,
     slow: slow::Slow,
 }
@@ -121,7 +127,7 @@ pub struct EkfOutput {
 pub struct EkfStatus {
     /// The standard deviation is below [`EkfParams::converged_sd`].
     pub converged: bool,
-    /// Residuals and model error are of the size that the filter expects.
+    /// The model's error, and the mean residual beside it, are of the size that is expected.
     pub consistent: bool,
     /// The open-circuit curve is flat here: the voltage does not correct.
     pub flat: bool,
@@ -133,6 +139,7 @@ pub struct EkfStatus {
 
 /// The terms of one correction with a given slope of the open-circuit curve (Bierman 1977, V.3).
 struct Correction {
+    slope_v: Real,
     /// Variance of the residual but for the model's error \[V²\].
     partial_v2: Real,
     /// One over the variance of the residual \[1/V²\].
@@ -155,6 +162,7 @@ impl Correction {
         let partial_v2 = noise_v2 + slope * own_v;
         let per_total = 1.0 / (partial_v2 + weight * error_v2);
         Self {
+            slope_v: slope,
             partial_v2,
             per_total,
             cross_v: own_v * weight,
@@ -181,7 +189,7 @@ impl Correction {
         residual_v: Real,
         noise_v2: Real,
     ) -> EkfOutput {
-        state.squares_sum += residual_v * residual_v * self.per_total;
+        state.residual_sum_v += residual_v;
         state.soc.add(self.soc_per_v * residual_v - soc_drop);
         state.error_v += self.error_gain * residual_v;
         self.shrink(state, noise_v2);
@@ -250,12 +258,12 @@ impl Ekf {
         let current_a = current_a - state.current_offset_a;
         let soc_drop = current_a * self.soc_per_a;
         let [fast_v, slow_v] = self.polarise(state, current_a);
-        let (open_circuit_v, slope) = self.open_circuit(state.soc.get() - soc_drop);
+        let (open_circuit_v, _) = self.open_circuit(state.soc.get() - soc_drop);
         let drop_v = state.series_ohm * current_a + fast_v + slow_v;
         let expected_v = open_circuit_v + state.hysteresis_v + state.error_v - drop_v;
         let residual_v = voltage_v - expected_v;
         let noise_v2 = state.noise_v2 + state.load_noise_ohm2 * (current_a * current_a);
-        let correction = Correction::new(state, slope, noise_v2);
+        let correction = Correction::new(state, state.slope_v, noise_v2);
         if (correction.soc_per_v * residual_v).abs() > LARGE_CORRECTION
             || residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER
         {
@@ -299,8 +307,8 @@ impl Ekf {
         noise_v2: Real,
     ) -> EkfOutput {
         let soc = state.soc.get() - soc_drop;
-        let (open_circuit_v, slope) = self.open_circuit(soc);
-        let mut correction = Correction::new(state, slope, noise_v2);
+        let (open_circuit_v, _) = self.open_circuit(soc);
+        let mut correction = Correction::new(state, state.slope_v, noise_v2);
         for _ in 0..CORRECTIONS {
             let way = clamp(soc + correction.soc_per_v * residual_v, 0.0, 1.0) - soc;
             if way.abs() < 0.1 * LARGE_CORRECTION {
@@ -310,9 +318,18 @@ impl Ekf {
             correction = Correction::new(state, slope, noise_v2);
         }
         if residual_v * residual_v * correction.per_total <= OUTLIER * OUTLIER {
-            correction.apply(state, soc_drop, residual_v, noise_v2)
+            // What is learnt is less than the mean slope says where the curve is flatter nearby.
+            let mut moved = *state;
+            let out = correction.apply(&mut moved, soc_drop, residual_v, noise_v2);
+            state.soc = moved.soc;
+            state.error_v = moved.error_v;
+            state.slope_v = min(self.slope_v(state), correction.slope_v);
+            Correction::new(state, state.slope_v, noise_v2).shrink(state, noise_v2);
+            state.residual_sum_v += residual_v;
+            out
         } else {
             self.distrust(state);
+            state.residual_sum_v += residual_v;
             state.soc.add(-soc_drop);
             EkfOutput { residual_v, rejected: false }
         }
@@ -335,12 +352,11 @@ impl Ekf {
     #[must_use]
     pub fn status(&self, state: &EkfState) -> EkfStatus {
         let (soc, temperature_c) = (state.soc.get(), state.slow.temperature_c);
-        let (error_v2, sd_v) = (state.error_v * state.error_v, state.slow.error_sd_v);
+        let most_v = CONSISTENT * state.slow.error_sd_v;
         let sd = self.params.converged_sd;
         EkfStatus {
             converged: state.variance() < sd * sd,
-            consistent: state.slow.consistency <= CONSISTENT
-                && error_v2 <= CONSISTENT * CONSISTENT * sd_v * sd_v,
+            consistent: state.error_v.abs() <= most_v && state.slow.residual_v.abs() <= most_v,
             flat: self.is_flat(state),
             outside_identified: !self.params.battery.identified.holds(soc, temperature_c),
             temperature_missing: state.slow.temperature_missing,
@@ -348,8 +364,8 @@ impl Ekf {
     }
 
     /// Whether the open-circuit curve says nothing here.
-    fn is_flat(&self, state: &EkfState) -> bool {
-        self.open_circuit(state.soc.get()).1 < self.params.flat_v_per_soc
+    const fn is_flat(&self, state: &EkfState) -> bool {
+        state.slope_v < self.params.flat_v_per_soc
     }
 }
 

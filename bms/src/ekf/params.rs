@@ -100,7 +100,7 @@ impl EkfParams {
         Self {
             battery,
             uncertainty: Uncertainty::typical(nominal_v, battery.capacity_ah),
-            flat_v_per_soc: 0.005 * nominal_v,
+            flat_v_per_soc: 0.03 * nominal_v,
             converged_sd: 0.03,
             unseen_current_a: battery.capacity_ah,
         }

@@ -2,10 +2,10 @@
 //! of charge and temperature, the size of the model's error, the sensor's offset, gaps.
 
 use plant_core::error::ratio;
-use plant_core::num::{Accum, Real, lag_gain, max, min, sign, sqrt};
+use plant_core::num::{Accum, Real, clamp, lag_gain, max, min, sign, sqrt};
 use plant_core::{ParamError, check};
 
-use super::{Correction, Ekf, EkfInput, EkfOutput, EkfState, OUTLIER};
+use super::{CONSISTENT, Correction, Ekf, EkfInput, EkfOutput, EkfState};
 
 /// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
 const UNKNOWN_SD: Real = 0.288_675_13;
@@ -22,8 +22,8 @@ const OFFSET_LEARNT: Real = 0.1;
 /// What an outlier adds to the standard deviation of the state of charge, per square root of a
 /// second: what keeps on contradicting the filter wins.
 const DISTRUST: Real = 0.003;
-/// The mean squared residual follows over this time \[s\].
-const CONSISTENCY_S: Real = 60.0;
+/// The mean residual follows over this time \[s\].
+const RESIDUAL_S: Real = 10.0;
 /// The noise of a voltage that says nothing \[V²\].
 const SILENT_V2: Real = 1e9;
 /// Temperatures outside are no measurement \[°C\].
@@ -37,8 +37,8 @@ pub(super) struct Slow {
     load_a: Real,
     /// The standard deviation of the model's error \[V\].
     pub(super) error_sd_v: Real,
-    /// Mean squared residual in units of its variance: below 1 where the filter is honest.
-    pub(super) consistency: Real,
+    /// Mean residual \[V\].
+    pub(super) residual_v: Real,
     /// All that a steady current sees \[Ω\], and the branches' part of it.
     total_ohm: Real,
     polarisation_ohm: Real,
@@ -84,15 +84,16 @@ impl Ekf {
             series_ohm: 0.0,
             branch_ohm: [0.0; 2],
             hysteresis_v: 0.0,
+            slope_v: 0.0,
             noise_v2: known.voltage_sd_v * known.voltage_sd_v,
             load_noise_ohm2: 0.0,
             load_sum_a: 0.0,
-            squares_sum: 0.0,
+            residual_sum_v: 0.0,
             steps_left: 0,
             slow: Slow {
                 load_a: -1.0,
                 error_sd_v,
-                consistency: 0.0,
+                residual_v: 0.0,
                 total_ohm: 0.0,
                 polarisation_ohm: 0.0,
                 polarisation_sd_v: known.polarisation_sd_v,
@@ -130,10 +131,13 @@ impl Ekf {
         let mut state = self.start(soc, UNKNOWN_SD, temperature_c)?;
         state.slow.polarisation_sd_v = 0.0;
         self.follow_error(&mut state, 0.0);
+        // Where the voltage says nothing, every state of charge that shows it is as good.
+        let (_, slope_v) = self.open_circuit(soc);
+        state.slope_v = slope_v;
         // What the curve's error and slope let the voltage say.
         if !self.is_flat(&state) {
-            let (noise_v2, slope) = (state.noise_v2, self.open_circuit(soc).1);
-            Correction::new(&state, slope, noise_v2).shrink(&mut state, noise_v2);
+            let noise_v2 = state.noise_v2;
+            Correction::new(&state, slope_v, noise_v2).shrink(&mut state, noise_v2);
         }
         Ok(state)
     }
@@ -158,9 +162,9 @@ impl Ekf {
         } else {
             let mean_a = state.load_sum_a / steps;
             state.slow.load_a += lag_gain(refresh_s / LOAD_MEMORY_S) * (mean_a - state.slow.load_a);
-            let mean_square = state.squares_sum / steps;
-            let gain = lag_gain(refresh_s / CONSISTENCY_S);
-            state.slow.consistency += gain * (mean_square - state.slow.consistency);
+            let residual_v = state.residual_sum_v / steps;
+            let gain = lag_gain(refresh_s / RESIDUAL_S);
+            state.slow.residual_v += gain * (residual_v - state.slow.residual_v);
             let map = &self.params.battery;
             let memory_s =
                 max(map.polarisation.time_constant_s, map.second_polarisation.time_constant_s);
@@ -168,7 +172,7 @@ impl Ekf {
             mean_a
         };
         state.load_sum_a = 0.0;
-        state.squares_sum = 0.0;
+        state.residual_sum_v = 0.0;
         state.steps_left = self.refresh_steps;
         state.soc.clamp(0.0, 1.0);
         if input.contactors_open {
@@ -180,6 +184,10 @@ impl Ekf {
         let moved = mean_a * self.soc_per_a * steps;
         self.follow_hysteresis(state, moved);
         self.follow_error(state, moved);
+        state.slope_v = self.slope_v(state);
+        if self.is_flat(state) && state.slow.residual_v.abs() > CONSISTENT * state.slow.error_sd_v {
+            self.leave_flat(state);
+        }
         self.follow_noise(state, max(mean_a, state.slow.load_a));
     }
 
@@ -220,6 +228,41 @@ impl Ekf {
         state.shared_per_v *= keep * share;
         state.error_variance_v2 = variance_v2;
         state.error_v *= keep;
+    }
+
+    /// Takes the state of charge from the voltage: no place on the flat part shows this one.
+    #[cold]
+    fn leave_flat(&self, state: &mut EkfState) {
+        let (open_circuit_v, _) = self.open_circuit(state.soc.get());
+        let shown_v = open_circuit_v + state.error_v + state.slow.residual_v;
+        let soc = self.params.battery.open_circuit.soc_at(shown_v);
+        let sd_v = state.slow.error_sd_v;
+        state.soc = Accum::new(soc);
+        state.error_v = 0.0;
+        state.error_variance_v2 = sd_v * sd_v;
+        // Whatever the model's error is, the state of charge makes up for it; how much that may be
+        // depends on the curve as far as it reaches.
+        let (_, mut slope_v) = self.open_circuit(soc);
+        for _ in 0..2 {
+            state.shared_per_v = -1.0 / max(slope_v, sd_v / UNKNOWN_SD);
+            // The residual is a mean over some seconds; so is its state of charge.
+            state.own_variance = sd_v * sd_v * state.shared_per_v * state.shared_per_v;
+            slope_v = self.slope_v(state);
+        }
+        state.slow.residual_v = 0.0;
+        state.slow.soc_before = soc;
+        state.slope_v = slope_v;
+    }
+
+    /// The least slope of the curve within three standard deviations \[V per unit of SOC\].
+    pub(super) fn slope_v(&self, state: &EkfState) -> Real {
+        let soc = state.soc.get();
+        let sd = sqrt(state.variance());
+        let mut least = Real::INFINITY;
+        for way in [-3.0, -1.5, 0.0, 1.5, 3.0] {
+            least = min(least, self.open_circuit(clamp(soc + way * sd, 0.0, 1.0)).1);
+        }
+        least
     }
 
     /// How many times larger the model's error is here.
@@ -288,7 +331,6 @@ impl Ekf {
 
     /// A voltage that contradicts the filter is not used, but makes it less sure.
     pub(super) fn distrust(&self, state: &mut EkfState) {
-        state.squares_sum += OUTLIER * OUTLIER;
         let most = UNKNOWN_SD * UNKNOWN_SD;
         if state.own_variance < most {
             state.own_variance = min(state.own_variance + DISTRUST * DISTRUST * self.dt_s, most);

@@ -1,1 +1,262 @@
+extern crate std;
 
+use plant_core::battery::{MappedBatteryInput, MappedBatteryState, OpenCircuit};
+use plant_core::must;
+use plant_core::num::SocTable;
+use plant_core::presets::PANASONIC_NCR18650PF;
+
+use super::*;
+
+const DT: Dt = must!(Dt::from_s(1.0));
+const PARAMS: EkfParams = EkfParams::typical(PANASONIC_NCR18650PF, 3.65);
+const EKF: Ekf = must!(Ekf::new(PARAMS, DT));
+const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
+
+/// A load that a car could have: its mean is a third of the capacity in an hour.
+fn load_a(second: u32) -> Real {
+    match second % 60 {
+        0..=9 => 0.0,
+        10..=39 => 1.4,
+        40..=49 => 4.0,
+        _ => -2.2,
+    }
+}
+
+/// One second of the cell, seen by sensors.
+fn sample(cell: &mut MappedBatteryState, current_a: Real) -> EkfInput {
+    let out = CELL.step(cell, MappedBatteryInput { current_a });
+    EkfInput { current_a, voltage_v: out.terminal_v, temperature_c: 25.0, contactors_open: false }
+}
+
+/// Error and standard deviation at each second of a drive from a wrong start.
+fn drive(ekf: &Ekf, start: Real, told: Real, sd: Real, seconds: u32) -> std::vec::Vec<[Real; 2]> {
+    let mut cell = CELL.rested(start).unwrap();
+    let mut state = ekf.start(told, sd, 25.0).unwrap();
+    (0..seconds)
+        .map(|second| {
+            let input = sample(&mut cell, load_a(second));
+            assert!(!ekf.step(&mut state, input).rejected);
+            let estimate = ekf.estimate(&state);
+            [estimate.soc - cell.soc.get(), estimate.soc_sd]
+        })
+        .collect()
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn finds_the_state_of_charge_from_a_wrong_start() {
+    for (start, told) in [(0.9, 0.6), (0.6, 0.9), (0.5, 0.4)] {
+        let run = drive(&EKF, start, told, 0.3, 3600);
+        for (second, [error, sd]) in run.iter().enumerate() {
+            assert!(error.abs() <= 3.0 * sd, "{start} told {told}, {second} s: {error} ± {sd}");
+        }
+        let [error, sd] = run[300];
+        assert!(error.abs() < 0.02 && sd < 0.03, "{start} told {told}: {error} ± {sd}");
+    }
+}
+
+#[test]
+fn a_known_start_is_not_spoilt() {
+    for [error, sd] in drive(&EKF, 0.8, 0.8, 0.01, 600) {
+        assert!(error.abs() < 0.005 && sd > 0.005, "{error} ± {sd}");
+    }
+}
+
+#[test]
+fn a_rest_tells_what_the_curve_allows() {
+    for soc in [0.2, 0.5, 0.9] {
+        let (voltage_v, slope) = PANASONIC_NCR18650PF.open_circuit.with_slope(soc);
+        let estimate = EKF.estimate(&EKF.start_rested(voltage_v, 25.0).unwrap());
+        assert!((estimate.soc - soc).abs() < 1e-3, "{soc}: {}", estimate.soc);
+        let sd = PARAMS.uncertainty.open_circuit_sd_v / slope;
+        assert!((estimate.soc_sd / sd - 1.0).abs() < 0.15, "{soc}: {} for {sd}", estimate.soc_sd);
+    }
+}
+
+/// However long it rests, the curve's own error stays: nothing is averaged away.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn rest_does_not_make_it_sure() {
+    let mut state = EKF.start_unknown(25.0).unwrap();
+    let (voltage_v, slope) = PANASONIC_NCR18650PF.open_circuit.with_slope(0.5);
+    let input = EkfInput { current_a: 0.0, voltage_v, temperature_c: 25.0, contactors_open: false };
+    for _ in 0..100_000 {
+        EKF.step(&mut state, input);
+    }
+    let estimate = EKF.estimate(&state);
+    let least = PARAMS.uncertainty.open_circuit_sd_v / slope;
+    assert!(estimate.soc_sd > 0.9 * least, "{} where {least} is the least", estimate.soc_sd);
+    assert!((estimate.soc - 0.5).abs() < 0.01);
+}
+
+#[test]
+fn bad_samples_hold_the_estimate_and_cost_confidence() {
+    let mut cell = CELL.rested(0.7).unwrap();
+    let mut good = EKF.start(0.7, 0.02, 25.0).unwrap();
+    for second in 0..300 {
+        EKF.step(&mut good, sample(&mut cell, load_a(second)));
+    }
+    let before = EKF.estimate(&good);
+    let input = sample(&mut cell, 0.0);
+    for bad in [Real::NAN, Real::INFINITY, -Real::INFINITY, 1e38] {
+        let mut state = good;
+        for _ in 0..30 {
+            let out = EKF.step(&mut state, EkfInput { current_a: bad, ..input });
+            assert!(out.rejected);
+        }
+        let held = EKF.estimate(&state);
+        assert!((held.soc - before.soc).abs() < 1e-6, "{bad}: {} {}", held.soc, before.soc);
+        assert!(held.soc_sd > before.soc_sd, "{bad}");
+        // Without a voltage the charge is still counted.
+        let mut state = good;
+        assert!(
+            EKF.step(&mut state, EkfInput { voltage_v: bad, current_a: 2.0, ..input }).rejected
+        );
+        assert!(EKF.estimate(&state).soc < before.soc);
+        // A missing temperature is the last one.
+        let mut state = good;
+        for _ in 0..2 {
+            let out = EKF.step(&mut state, EkfInput { temperature_c: bad, ..input });
+            assert!(!out.rejected && EKF.status(&state).temperature_missing);
+        }
+        assert_eq!(EKF.estimate(&state).temperature_c, 25.0);
+        // Data return: so does the estimate.
+        let mut cell = cell;
+        for second in 0..600 {
+            let mut input = sample(&mut cell, load_a(second));
+            if second < 60 {
+                input.current_a = bad;
+            }
+            EKF.step(&mut state, input);
+        }
+        let back = EKF.estimate(&state);
+        let error = back.soc - cell.soc.get();
+        assert!(error.abs() < 0.02 && error.abs() < 3.0 * back.soc_sd, "{bad}: {error}");
+        assert!(EKF.status(&state).consistent && !EKF.status(&state).temperature_missing);
+    }
+}
+
+#[test]
+fn one_absurd_voltage_moves_nothing_and_a_lasting_one_wins() {
+    let mut cell = CELL.rested(0.6).unwrap();
+    let mut state = EKF.start(0.6, 0.02, 25.0).unwrap();
+    for second in 0..300 {
+        EKF.step(&mut state, sample(&mut cell, load_a(second)));
+    }
+    let before = EKF.estimate(&state);
+    let mut input = sample(&mut cell, 0.0);
+    input.voltage_v -= 1.5;
+    EKF.step(&mut state, input);
+    let after = EKF.estimate(&state);
+    assert!((after.soc - before.soc).abs() < 1e-6 && after.soc_sd >= before.soc_sd);
+    for _ in 0..3600 {
+        EKF.step(&mut state, input);
+    }
+    assert!(!EKF.status(&state).consistent);
+    assert!(EKF.estimate(&state).soc_sd > 2.0 * before.soc_sd);
+}
+
+#[test]
+fn learns_the_offset_only_with_open_contactors() {
+    let mut state = EKF.start(0.6, 0.01, 25.0).unwrap();
+    let (voltage_v, _) = PANASONIC_NCR18650PF.open_circuit.with_slope(0.6);
+    let closed =
+        EkfInput { current_a: 0.05, voltage_v, temperature_c: 25.0, contactors_open: false };
+    for _ in 0..120 {
+        EKF.step(&mut state, closed);
+    }
+    assert_eq!(state.current_offset_a, 0.0);
+    let before = state.soc;
+    for _ in 0..300 {
+        EKF.step(&mut state, EkfInput { contactors_open: true, ..closed });
+    }
+    assert!((state.current_offset_a - 0.05).abs() < 0.001, "{}", state.current_offset_a);
+    assert!((state.soc.get() - before.get()).abs() < 0.002, "no current flowed");
+}
+
+#[test]
+fn a_flat_curve_is_not_asked() {
+    const FLAT: EkfParams = EkfParams {
+        battery: plant_core::battery::MappedBatteryParams {
+            open_circuit: OpenCircuit::Table(must!(SocTable::from_points(
+                "open_circuit",
+                &[(0.0, 2.9), (0.1, 3.27), (0.9, 3.28), (1.0, 3.45)]
+            ))),
+            ..PANASONIC_NCR18650PF
+        },
+        ..PARAMS
+    };
+    const EKF: Ekf = must!(Ekf::new(FLAT, DT));
+    let mut state = EKF.start(0.5, 0.2, 25.0).unwrap();
+    let input =
+        EkfInput { current_a: 0.0, voltage_v: 3.27, temperature_c: 25.0, contactors_open: false };
+    for _ in 0..1000 {
+        EKF.step(&mut state, input);
+    }
+    let estimate = EKF.estimate(&state);
+    assert!(EKF.status(&state).flat && !EKF.status(&state).converged);
+    assert!((estimate.soc - 0.5).abs() < 1e-3 && estimate.soc_sd > 0.19, "{estimate:?}");
+    let rested = EKF.estimate(&EKF.start_rested(3.275, 25.0).unwrap());
+    assert!(rested.soc_sd > 0.25, "{rested:?}");
+}
+
+#[test]
+fn says_where_the_model_does_not_hold() {
+    let mut state = EKF.start(0.05, 0.02, 25.0).unwrap();
+    assert!(EKF.status(&state).outside_identified);
+    let input =
+        EkfInput { current_a: 0.0, voltage_v: 3.9, temperature_c: 25.0, contactors_open: false };
+    // A start that was wrong by 70 % finds back all the same.
+    let mut wrong = EKF.start(0.05, 0.3, 25.0).unwrap();
+    for _ in 0..60 {
+        EKF.step(&mut state, input);
+        EKF.step(&mut wrong, input);
+    }
+    assert!((EKF.estimate(&wrong).soc - 0.77).abs() < 0.05, "{:?}", EKF.estimate(&wrong));
+}
+
+#[test]
+fn refuses_each_bad_field_by_name() {
+    let bad = |change: &dyn Fn(&mut EkfParams)| {
+        let mut params = PARAMS;
+        change(&mut params);
+        Ekf::new(params, DT).unwrap_err().field()
+    };
+    for value in [-1.0, Real::NAN, Real::INFINITY] {
+        assert_eq!(
+            bad(&|p| p.uncertainty.open_circuit_sd_v = value),
+            "ekf.uncertainty.open_circuit_sd_v"
+        );
+        assert_eq!(bad(&|p| p.uncertainty.resistance_sd = value), "ekf.uncertainty.resistance_sd");
+        assert_eq!(bad(&|p| p.uncertainty.capacity_sd = value), "ekf.uncertainty.capacity_sd");
+        assert_eq!(
+            bad(&|p| p.uncertainty.current_offset_sd_a = value),
+            "ekf.uncertainty.current_offset_sd_a"
+        );
+        assert_eq!(bad(&|p| p.uncertainty.voltage_sd_v = value), "ekf.uncertainty.voltage_sd_v");
+        assert_eq!(
+            bad(&|p| p.uncertainty.polarisation_sd_v = value),
+            "ekf.uncertainty.polarisation_sd_v"
+        );
+        assert_eq!(
+            bad(&|p| p.uncertainty.correlation_soc = value),
+            "ekf.uncertainty.correlation_soc"
+        );
+        assert_eq!(
+            bad(&|p| p.uncertainty.outside_factor = value),
+            "ekf.uncertainty.outside_factor"
+        );
+        assert_eq!(bad(&|p| p.flat_v_per_soc = value), "ekf.flat_v_per_soc");
+        assert_eq!(bad(&|p| p.converged_sd = value), "ekf.converged_sd");
+        assert_eq!(bad(&|p| p.battery.capacity_ah = value), "battery.capacity_ah");
+    }
+    assert_eq!(bad(&|p| p.unseen_current_a = 0.0), "ekf.unseen_current_a");
+    assert_eq!(bad(&|p| p.uncertainty.correlation_soc = 1.5), "ekf.uncertainty.correlation_soc");
+    assert_eq!(bad(&|p| p.uncertainty.outside_factor = 0.5), "ekf.uncertainty.outside_factor");
+    for soc in [-0.1, 1.1, Real::NAN] {
+        assert_eq!(EKF.start(soc, 0.1, 25.0).unwrap_err().field(), "soc");
+        assert_eq!(EKF.start(0.5, soc, 25.0).unwrap_err().field(), "soc_sd");
+    }
+    assert_eq!(EKF.start_unknown(Real::NAN).unwrap_err().field(), "temperature_c");
+    assert_eq!(EKF.start_rested(Real::NAN, 25.0).unwrap_err().field(), "voltage_v");
+}
