@@ -18,6 +18,7 @@
 //! | Module | What it does |
 //! |---|---|
 //! | [`estimate`] | what is believed to be in a battery |
+//! | [`measurement`] | what is measured on a pack, with validity and age |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
@@ -25,6 +26,7 @@
 //! `_sd`.
 
 pub mod estimate;
+pub mod measurement;
 
 pub use estimate::Estimate;
 pub use plant_core::{Accum, Dt, ParamError, Real};
