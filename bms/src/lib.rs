@@ -18,6 +18,7 @@
 //! | Module | What it does |
 //! |---|---|
 //! | [`estimate`] | what is believed to be in a battery |
+//! | [`coulomb`] | state of charge by counting, put right at rest |
 //! | [`measurement`] | what is measured on a pack, with validity and age |
 //!
 //! # Conventions
@@ -25,6 +26,8 @@
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
+pub mod coulomb;
+mod curve;
 pub mod estimate;
 pub mod measurement;
 
