@@ -1,8 +1,12 @@
 //! Checks of an open-circuit curve that an estimator is given.
 
+use plant_core::Real;
 use plant_core::battery::OpenCircuit;
 use plant_core::check;
 use plant_core::error::{ParamError, finite};
+use plant_core::num::{SOC_POINTS, SocTable};
+
+const INTERVALS: usize = SOC_POINTS - 1;
 
 /// The curve where it is finite and never falls.
 pub(crate) const fn rising(
@@ -19,11 +23,39 @@ pub(crate) const fn rising(
     if rises { Ok(curve) } else { Err(ParamError::Decreasing(field)) }
 }
 
+/// The same as a table, whatever its shape.
+pub(crate) const fn as_table(
+    field: &'static str,
+    curve: OpenCircuit,
+) -> Result<SocTable, ParamError> {
+    match check!(rising(field, curve)) {
+        OpenCircuit::Linear { empty_v, full_v } => {
+            SocTable::from_points(field, &[(0.0, empty_v), (1.0, full_v)])
+        }
+        OpenCircuit::Table(table) => Ok(table),
+    }
+}
+
+/// Voltage and slope at `soc`; beyond 0..1 on the straight line of the nearer end, so that the two
+/// belong together there too.
+#[inline]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "the interval is held in 0..63; a conversion holds what is below at 0"
+)]
+pub(crate) fn tangent(table: &SocTable, soc: Real) -> (Real, Real) {
+    let x = soc * INTERVALS as Real;
+    let i = (x as usize).min(INTERVALS - 1);
+    let low_v = table.values()[i];
+    let rise_v = table.values()[i + 1] - low_v;
+    (low_v + rise_v * (x - i as Real), rise_v * INTERVALS as Real)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plant_core::Real;
-    use plant_core::num::SocTable;
 
     #[test]
     fn takes_a_rising_curve_only() {

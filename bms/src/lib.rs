@@ -18,6 +18,7 @@
 //! | Module | What it does |
 //! |---|---|
 //! | [`estimate`] | what is believed to be in a battery |
+//! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
 //! | [`coulomb`] | state of charge by counting, put right at rest |
 //! | [`measurement`] | what is measured on a pack, with validity and age |
 //!
@@ -26,6 +27,7 @@
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
+pub mod cells;
 pub mod coulomb;
 mod curve;
 pub mod estimate;
