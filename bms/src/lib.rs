@@ -21,6 +21,7 @@
 //! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
 //! | [`coulomb`] | state of charge by counting, put right at rest |
 //! | [`measurement`] | what is measured on a pack, with validity and age |
+//! | [`record`] | what is worth knowing after a power cut, in two slots |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
@@ -32,6 +33,7 @@ pub mod coulomb;
 mod curve;
 pub mod estimate;
 pub mod measurement;
+pub mod record;
 
 pub use estimate::Estimate;
 pub use plant_core::{Accum, Dt, ParamError, Real};
