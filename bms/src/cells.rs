@@ -2,48 +2,17 @@
 
 use core::hint::cold_path;
 
-use plant_core::battery::OpenCircuit;
 use plant_core::error::{above, positive, ratio};
 use plant_core::num::{SocTable, clamp, min, sane, sound, sqrt};
 use plant_core::{Dt, ParamError, Real, check};
 
 use crate::Estimate;
-use crate::curve::{as_table, tangent};
+use crate::curve::{INTERVALS, as_table, tangent};
 
-/// How alike the cells of a pack are, and how well their voltages are measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
-pub struct CellsParams {
-    /// Open-circuit voltage of a cell over its state of charge, within ±100 V.
-    pub open_circuit: OpenCircuit,
-    /// Standard deviation of the noise of a cell's voltage \[V\], 1e-6..1.
-    pub noise_sd_v: Real,
-    /// Standard deviation of what stays between a cell's voltage and the curve \[V\], 0..1: the
-    /// channel's offset, the cell's own curve.
-    pub offset_sd_v: Real,
-    /// Standard deviation of the cells' resistances, polarisation included \[Ω\], 0..1.
-    pub resistance_sd_ohm: Real,
-    /// Standard deviation of their capacities, as a ratio, 0..1.
-    pub capacity_sd: Real,
-    /// Standard deviation of their states of charge at the start, above 0 and up to 1.
-    pub soc_sd: Real,
-    /// How far a cell wanders from the others in a day, as a standard deviation of the state of
-    /// charge, 0..1: self-discharge, balancing.
-    pub drift_sd_per_day: Real,
-    /// While the pack's own standard deviation is above this, the cells are held: nobody knows
-    /// where on the curve they are. 0..1.
-    pub pack_soc_sd_max: Real,
-    /// Lowest voltage that a cell can have \[V\], within ±100; a reading below is none.
-    pub voltage_min_v: Real,
-    /// Highest voltage that a cell can have \[V\], above the lowest, within ±100; a reading above
-    /// is none.
-    pub voltage_max_v: Real,
-}
+mod params;
+
+pub use params::CellsParams;
+use params::{SMALLEST_NOISE_V, cell_v, noise_variances};
 
 /// How far each cell's state of charge lies from the pack's.
 ///
@@ -56,10 +25,14 @@ pub struct CellsParams {
 /// filter that averages them away believes what it cannot know. Each is a quantity that is not
 /// estimated but whose correlation with the estimate is kept (Schmidt 1966), so the standard
 /// deviation never falls below what they leave open.
+///
+/// The filter reads the curve by its tangent. Where the curve bends within reach of what a cell may
+/// differ by, the tangent's own error counts as noise, so a knee is believed once it is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells {
     curve: SocTable,
-    noise_variance: Real,
+    /// In each interval of the curve, the noise and what the tangent there is wrong by \[V²\].
+    noise_variances: [Real; INTERVALS],
     offset_sd_v: Real,
     resistance_sd_ohm: Real,
     capacity_sd: Real,
@@ -94,6 +67,10 @@ struct Cell {
 pub struct CellsState<const CELLS: usize> {
     pack_soc: Real,
     pack_soc_sd: Real,
+    /// As of the last step, the cells' mean above the pack: of the open-circuit voltages, which
+    /// differ where the curve bends, and of what is believed of the states of charge.
+    bend_v: Real,
+    mean_soc: Real,
     /// How many cells are held; where none is, what the cells say of it is old.
     held: usize,
     cells: [Cell; CELLS],
@@ -152,9 +129,6 @@ pub struct SocSpread {
     pub max_index: usize,
 }
 
-/// The largest voltage of a cell \[V\]: with a quiet sensor's noise it bounds the gain.
-const LARGEST_CELL_V: Real = 100.0;
-const SMALLEST_NOISE_V: Real = 1e-6;
 const SECONDS_PER_DAY: Real = 86_400.0;
 
 impl Cells {
@@ -178,7 +152,7 @@ impl Cells {
         check!(cell_v("cells.open_circuit", *full_v));
         Ok(Self {
             curve,
-            noise_variance: noise_sd_v * noise_sd_v,
+            noise_variances: noise_variances(&curve, noise_sd_v, soc_sd, dt),
             offset_sd_v: check!(ratio("cells.offset_sd_v", params.offset_sd_v)),
             resistance_sd_ohm: check!(ratio("cells.resistance_sd_ohm", params.resistance_sd_ohm)),
             capacity_sd: check!(ratio("cells.capacity_sd", params.capacity_sd)),
@@ -203,7 +177,14 @@ impl Cells {
         };
         let (pack_soc, pack_soc_sd) =
             if believable(&pack) { (pack.soc, pack.soc_sd) } else { (0.5, 1.0) };
-        CellsState { pack_soc, pack_soc_sd, held: CELLS, cells: [cell; CELLS] }
+        CellsState {
+            pack_soc,
+            pack_soc_sd,
+            bend_v: 0.0,
+            mean_soc: 0.0,
+            held: CELLS,
+            cells: [cell; CELLS],
+        }
     }
 
     /// Advances by one step: brings every cell up to the pack's estimate, and those that are
@@ -223,15 +204,21 @@ impl Cells {
         let seen = Seen {
             pack_soc: state.pack_soc,
             of_capacity: self.capacity_sd * (state.pack_soc - old_soc),
-            base_v: -tangent(&self.curve, state.pack_soc).0,
+            mean_soc: state.mean_soc,
+            base_v: 0.0,
             resistance_v: -self.resistance_sd_ohm * input.current_a,
         };
+        let (_, pack_v, _) = tangent(&self.curve, state.pack_soc);
         match self.mean_of_all(input.cell_v) {
             Some(mean_v) if usable => {
-                let seen = Seen { base_v: mean_v + seen.base_v, ..seen };
+                let seen = Seen { base_v: mean_v - pack_v - state.bend_v, ..seen };
+                let (mut sum_v, mut sum_soc) = (0.0, 0.0);
                 for (cell, voltage_v) in state.cells.iter_mut().zip(input.cell_v) {
-                    self.correct(cell, &seen, *voltage_v);
+                    sum_v += self.correct(cell, &seen, *voltage_v);
+                    sum_soc += cell.soc;
                 }
+                state.bend_v = sum_v / real(CELLS) - pack_v;
+                state.mean_soc = sum_soc / real(CELLS);
                 state.held = 0;
             }
             _ => state.held = self.correct_some(&mut state.cells, &seen, input.cell_v, usable),
@@ -250,14 +237,16 @@ impl Cells {
         usable: bool,
     ) -> usize {
         let (mut sum_v, mut count) = (0.0, 0.0);
-        for voltage_v in cell_v {
+        for (cell, voltage_v) in cells.iter().zip(cell_v) {
             if self.plausible(*voltage_v) {
-                sum_v += voltage_v;
+                let (_, expected_v, _) = tangent(&self.curve, seen.pack_soc + cell.soc);
+                sum_v += voltage_v - expected_v;
                 count += 1.0;
             }
         }
-        // Not read where there is no plausible voltage.
-        let seen = Seen { base_v: sum_v / count + seen.base_v, ..*seen };
+        // Not read where there is no plausible voltage. The others no longer are the whole pack,
+        // so their mean stays where it is.
+        let seen = Seen { base_v: sum_v / count, mean_soc: 0.0, ..*seen };
         let mut held = 0;
         for (cell, voltage_v) in cells.iter_mut().zip(cell_v) {
             if usable && self.plausible(*voltage_v) {
@@ -291,10 +280,13 @@ impl Cells {
         (CELLS > 0).then(|| sum_v / real(CELLS))
     }
 
-    /// The Kalman filter's step of one cell.
+    /// The Kalman filter's step of one cell; the open-circuit voltage that was expected of it.
     #[inline]
-    fn correct(&self, cell: &mut Cell, seen: &Seen, voltage_v: Real) {
-        let (expected_v, slope_v) = tangent(&self.curve, seen.pack_soc + cell.soc);
+    fn correct(&self, cell: &mut Cell, seen: &Seen, voltage_v: Real) -> Real {
+        // The pack's state of charge is the cells' mean, so theirs above it is none.
+        let soc = cell.soc - seen.mean_soc;
+        let (interval, expected_v, slope_v) = tangent(&self.curve, seen.pack_soc + soc);
+        let noise_variance = self.noise_variances[interval];
         let (soc_variance, of_capacity) =
             (cell.variance + self.drift_variance, cell.of_capacity + seen.of_capacity);
         // What one standard deviation of each makes of the voltage that is not expected.
@@ -308,19 +300,20 @@ impl Cells {
         let variance = slope_v * covariance
             + self.offset_sd_v * offset_v
             + seen.resistance_v * resistance_v
-            + self.noise_variance;
+            + noise_variance;
         let gain = covariance / variance;
         let kept = 1.0 - gain * slope_v;
-        cell.variance = kept * kept * soc_variance + gain * gain * self.noise_variance;
+        cell.variance = kept * kept * soc_variance + gain * gain * noise_variance;
         cell.of_offset -= gain * offset_v;
         cell.of_resistance -= gain * resistance_v;
         cell.of_capacity = kept * of_capacity;
-        cell.soc += gain * (voltage_v - seen.base_v - expected_v);
+        cell.soc = soc + gain * (voltage_v - seen.base_v - expected_v);
         // No two states of charge lie further apart.
         if cell.soc.abs() > 1.0 {
             cold_path();
             cell.soc = clamp(cell.soc, -1.0, 1.0);
         }
+        expected_v
     }
 }
 
@@ -371,6 +364,8 @@ struct Seen {
     pack_soc: Real,
     /// What one standard deviation of the capacity makes of the step.
     of_capacity: Real,
+    /// What the cells' states of charge are off by, all alike.
+    mean_soc: Real,
     /// What every voltage has in common.
     base_v: Real,
     /// What one standard deviation of the resistance makes of the current.
@@ -384,14 +379,6 @@ fn believable(pack: &Estimate) -> bool {
 #[expect(clippy::cast_precision_loss, reason = "a pack has fewer cells than 2^24")]
 const fn real(count: usize) -> Real {
     count as Real
-}
-
-const fn cell_v(field: &'static str, voltage_v: Real) -> Result<Real, ParamError> {
-    if voltage_v.abs() <= LARGEST_CELL_V {
-        Ok(voltage_v)
-    } else {
-        Err(ParamError::OutOfRange(field))
-    }
 }
 
 #[cfg(test)]

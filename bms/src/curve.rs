@@ -6,7 +6,8 @@ use plant_core::check;
 use plant_core::error::{ParamError, finite};
 use plant_core::num::{SOC_POINTS, SocTable};
 
-const INTERVALS: usize = SOC_POINTS - 1;
+/// Intervals of a curve.
+pub(crate) const INTERVALS: usize = SOC_POINTS - 1;
 
 /// The curve where it is finite and never falls.
 pub(crate) const fn rising(
@@ -36,7 +37,7 @@ pub(crate) const fn as_table(
     }
 }
 
-/// Voltage and slope at `soc`; beyond 0..1 on the straight line of the nearer end, so that the two
+/// Interval, voltage and slope at `soc`; beyond 0..1 on the straight line of the nearer end, so that the two
 /// belong together there too.
 #[inline]
 #[expect(
@@ -45,12 +46,12 @@ pub(crate) const fn as_table(
     clippy::cast_precision_loss,
     reason = "the interval is held in 0..63; a conversion holds what is below at 0"
 )]
-pub(crate) fn tangent(table: &SocTable, soc: Real) -> (Real, Real) {
+pub(crate) fn tangent(table: &SocTable, soc: Real) -> (usize, Real, Real) {
     let x = soc * INTERVALS as Real;
     let i = (x as usize).min(INTERVALS - 1);
     let low_v = table.values()[i];
     let rise_v = table.values()[i + 1] - low_v;
-    (low_v + rise_v * (x - i as Real), rise_v * INTERVALS as Real)
+    (i, low_v + rise_v * (x - i as Real), rise_v * INTERVALS as Real)
 }
 
 #[cfg(test)]

@@ -1,3 +1,5 @@
+use plant_core::battery::OpenCircuit;
+
 use super::*;
 
 const LINE: OpenCircuit = OpenCircuit::Linear { empty_v: 3.0, full_v: 4.2 };
