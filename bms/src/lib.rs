@@ -19,6 +19,10 @@
 //! |---|---|
 //! | [`estimate`] | what is believed to be in a battery |
 //! | [`ekf`] | state of charge from current and voltage, by a Kalman filter that knows its limits |
+//! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
+//! | [`coulomb`] | state of charge by counting, put right at rest |
+//! | [`measurement`] | what is measured on a pack, with validity and age |
+//! | [`record`] | what is worth knowing after a power cut, in two slots |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
@@ -26,7 +30,12 @@
 //! `_sd`.
 
 pub mod ekf;
+pub mod cells;
+pub mod coulomb;
+mod curve;
 pub mod estimate;
+pub mod measurement;
+pub mod record;
 
 pub use estimate::Estimate;
 pub use plant_core::{Accum, Dt, ParamError, Real};

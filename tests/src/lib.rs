@@ -2,6 +2,7 @@
 //!
 //! | Test | What it holds |
 //! |---|---|
+//! | `bms_pack` | coulomb counter, cells and record: honest, finite, never a wrong record |
 //! | `coverage` | every public model has a case in `voltstep validate` |
 //! | `order` | order of convergence, stability and steady state at any step |
 //! | `properties` | what is true of the models for any input and any parameters (proptest) |

@@ -1,0 +1,22 @@
+//! What is true of the pack's measurements, coulomb counter, cells and record for any input.
+//!
+//! | Module | What it holds |
+//! |---|---|
+//! | [`finite`] | no input makes a state or an output infinite; what is missing is flagged |
+//! | [`coulomb`] | the count's standard deviation covers what it does not know |
+//! | [`cells`] | so does that of each cell |
+//! | [`record`] | a torn write, a wrong bit, a power cut give the older record or none |
+//!
+//! [`draw`] makes up inputs. `PROPTEST_CASES` sets how many cases there are.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "values are drawn and judged in f64, the models take f32"
+)]
+
+mod cells;
+mod coulomb;
+mod draw;
+mod finite;
+mod record;
