@@ -18,6 +18,8 @@
 //! | Module | What it does |
 //! |---|---|
 //! | [`estimate`] | what is believed to be in a battery |
+//! | [`power`] | state of power: what may be drawn and charged over the next seconds |
+//! | [`soh`] | state of health: resistance and capacity, with their uncertainty |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
@@ -25,6 +27,9 @@
 //! `_sd`.
 
 pub mod estimate;
+pub mod power;
+pub mod soh;
 
 pub use estimate::Estimate;
 pub use plant_core::{Accum, Dt, ParamError, Real};
+pub use soh::Health;
