@@ -2,6 +2,7 @@
 //!
 //! | Test | What it holds |
 //! |---|---|
+//! | `bms_power` | the state of power's currents and powers, tried on the plant |
 //! | `coverage` | every public model has a case in `voltstep validate` |
 //! | `order` | order of convergence, stability and steady state at any step |
 //! | `properties` | what is true of the models for any input and any parameters (proptest) |
