@@ -17,6 +17,7 @@
 //! # Map
 //! | Module | What it does |
 //! |---|---|
+//! | [`energy`] | energy and time left |
 //! | [`estimate`] | what is believed to be in a battery |
 //! | [`power`] | state of power: what may be drawn and charged over the next seconds |
 //! | [`soh`] | state of health: resistance and capacity, with their uncertainty |
@@ -26,6 +27,7 @@
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
+pub mod energy;
 pub mod estimate;
 pub mod power;
 pub mod soh;

@@ -48,7 +48,8 @@ pub struct ResistanceParams {
 /// innovation beyond three standard deviations counts as if the readings were as uncertain as
 /// that. Where the residuals are larger than `r` says, so is the published standard deviation.
 ///
-/// What sees mostly short steps sees mostly the series resistance: where the branches age
+/// What is wrong alike in every sample is not in it: the gain of a sensor, the map of the
+/// parameters. What sees mostly short steps sees mostly the series resistance: where the branches age
 /// differently, the factor is that of the former.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResistanceEstimator<'b> {
