@@ -17,12 +17,15 @@
 //! # Map
 //! | Module | What it does |
 //! |---|---|
+//! | [`energy`] | energy and time left |
 //! | [`estimate`] | what is believed to be in a battery |
 //! | [`ekf`] | state of charge from current and voltage, by a Kalman filter that knows its limits |
 //! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
 //! | [`coulomb`] | state of charge by counting, put right at rest |
 //! | [`measurement`] | what is measured on a pack, with validity and age |
 //! | [`record`] | what is worth knowing after a power cut, in two slots |
+//! | [`power`] | state of power: what may be drawn and charged over the next seconds |
+//! | [`soh`] | state of health: resistance and capacity, with their uncertainty |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
@@ -36,6 +39,11 @@ mod curve;
 pub mod estimate;
 pub mod measurement;
 pub mod record;
+pub mod energy;
+pub mod estimate;
+pub mod power;
+pub mod soh;
 
 pub use estimate::Estimate;
 pub use plant_core::{Accum, Dt, ParamError, Real};
+pub use soh::Health;

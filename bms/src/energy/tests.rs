@@ -1,0 +1,201 @@
+extern crate std;
+use plant_core::battery::MappedBatteryParams;
+use plant_core::must;
+use plant_core::presets::PANASONIC_NCR18650PF;
+
+use super::*;
+
+const DT: Dt = must!(Dt::from_s(1.0));
+const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
+const PARAMS: EnergyParams =
+    EnergyParams { empty_soc: 0.05, full_soc: 1.0, empty_v: 2.8, least_a: 0.01 };
+const GAUGE: EnergyGauge<'static> = must!(EnergyGauge::new(PARAMS, &CELL, DT));
+
+fn at(soc: Real, temperature_c: Real) -> Estimate {
+    Estimate {
+        soc,
+        soc_sd: 0.0,
+        polarisation_v: [0.0; 2],
+        hysteresis: 0.0,
+        offset_v: 0.0,
+        temperature_c,
+    }
+}
+
+fn health() -> Health {
+    Health::as_new(&CELL)
+}
+
+/// Discharges the plant at constant power and temperature: charge, energy, seconds.
+fn discharge(power_w: Real, soc: Real, celsius: Real) -> (f64, f64, f64) {
+    let mut state = CELL.rested_at(soc, celsius).unwrap();
+    let (mut ah, mut wh, mut seconds) = (0.0, 0.0, 0.0);
+    for _ in 0..200_000 {
+        let (source, _) = CELL.offer(&state);
+        let square = source.emf_v * source.emf_v - 4.0 * source.resistance_ohm * power_w;
+        if square < 0.0 {
+            break;
+        }
+        let current_a = 2.0 * power_w / (source.emf_v + square.sqrt());
+        if source.voltage_v(current_a) < PARAMS.empty_v || state.soc.get() < PARAMS.empty_soc {
+            break;
+        }
+        ah += f64::from(current_a) / 3600.0;
+        wh += f64::from(power_w) / 3600.0;
+        seconds += 1.0;
+        CELL.settle(&mut state, current_a);
+        CELL.set_temperature(&mut state, celsius);
+    }
+    (ah, wh, seconds)
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn the_plant_gives_what_the_gauge_says() {
+    for (soc, celsius) in [(1.0, 25.0), (0.6, 25.0), (1.0, 10.0), (0.5, 10.0), (0.9, 0.0)] {
+        for power_w in [1.0, 2.0, 5.0, 10.0] {
+            let left = GAUGE.left(power_w, &at(soc, celsius), &health());
+            let (ah, wh, _) = discharge(power_w, soc, celsius);
+            let off = f64::from(left.energy_wh) / wh - 1.0;
+            std::println!("{soc} {celsius} °C {power_w} W: {wh:.3} Wh, {off:+.4}");
+            let full_wh = 10.5;
+            assert!((f64::from(left.energy_wh) - wh).abs() < 0.02 * full_wh, "{left:?} {wh}");
+            assert!((f64::from(left.charge_ah) - ah).abs() < 0.06, "{left:?} {ah}");
+        }
+    }
+}
+
+#[test]
+fn a_battery_without_resistance_gives_its_open_circuit_energy() {
+    const NONE: MappedBattery = must!(MappedBattery::new(
+        MappedBatteryParams {
+            series: ResistanceMap::NONE,
+            polarisation: plant_core::battery::BranchMap::NONE,
+            second_polarisation: plant_core::battery::BranchMap::NONE,
+            ..PANASONIC_NCR18650PF
+        },
+        DT
+    ));
+    let gauge = EnergyGauge::new(PARAMS, &NONE, DT).unwrap();
+    let left = gauge.left(5.0, &at(0.8, 25.0), &health());
+    let wh = 2.97 * 0.75 * NONE.open_circuit().mean(0.05, 0.8);
+    assert!((left.charge_ah - 2.97 * 0.75).abs() < 1e-5 && (left.energy_wh - wh).abs() < 1e-4);
+}
+
+#[test]
+fn means_hold_the_ends_of_the_identified_range() {
+    let map = Averages::new(&CELL, 10.0, 1.2);
+    for (from, to) in [(0.0, 0.1), (0.05, 0.9), (0.1, 0.3), (0.4, 0.40001), (0.7, 0.7)] {
+        let (mut sum, points) = (0.0, 5000);
+        for i in 0..points {
+            let along = (f64::from(i) + 0.5) / f64::from(points);
+            let soc = from + along * (to - from);
+            let r = CELL.resistances(soc as Real, 10.0);
+            let [fast, slow] = r.polarisation_ohm;
+            sum += 1.2 * f64::from(r.series_ohm + fast + slow);
+        }
+        let exact = sum / f64::from(points);
+        let mean = f64::from(map.mean_ohm(from as Real, to as Real));
+        assert!((mean / exact - 1.0).abs() < 1e-3, "{from} {to}: {mean} {exact}");
+    }
+}
+
+#[test]
+fn reports_by_the_names_of_the_specification() {
+    let mut state = EnergyState::default();
+    let estimate = Estimate { soc_sd: 0.02, ..at(0.6, 25.0) };
+    let aged = Health { capacity_ah: 2.5, capacity_sd_ah: 0.05, ..health() };
+    let report = GAUGE.report(&state, &estimate, &aged).unwrap();
+    assert!(report.average_time_to_empty_s.is_none() && report.average_time_to_full_s.is_none());
+    // At a fifth of the capacity it empties down to `empty_soc`, or close to it.
+    assert!((report.remaining_capacity_ah - 2.5 * 0.55).abs() < 0.02, "{report:?}");
+    assert!((report.full_charge_capacity_ah - 2.5 * 0.95).abs() < 0.02, "{report:?}");
+    assert!((report.relative_state_of_charge - 0.55 / 0.95).abs() < 0.01);
+    assert!((report.absolute_state_of_charge - 2.5 * 0.55 / 2.97).abs() < 0.01);
+    assert!(report.state_of_energy < report.relative_state_of_charge, "the voltage falls");
+    // 0.02·2.5 Ah·3.73 V, and 2 % of some 4.8 Wh.
+    assert!((report.remaining_energy_sd_wh - 0.21).abs() < 0.02, "{report:?}");
+
+    for _ in 0..600 {
+        assert!(GAUGE.step(&mut state, EnergyInput { current_a: 1.0, voltage_v: 3.6 }));
+    }
+    let report = GAUGE.report(&state, &estimate, &aged).unwrap();
+    let (_, _, seconds) = discharge(3.6, 0.6, 25.0);
+    let expected = seconds * 2.5 / 2.97;
+    let told = f64::from(report.average_time_to_empty_s.unwrap());
+    assert!((told / expected - 1.0).abs() < 0.01, "{told} {expected}");
+    assert_eq!(report.average_time_to_full_s, None);
+
+    for _ in 0..900 {
+        GAUGE.step(&mut state, EnergyInput { current_a: -1.25, voltage_v: 3.9 });
+    }
+    let report = GAUGE.report(&state, &estimate, &aged).unwrap();
+    assert_eq!(report.average_time_to_empty_s, None);
+    assert!((report.average_time_to_full_s.unwrap() - 0.8 * 3600.0).abs() < 2.0);
+}
+
+#[test]
+fn averages_over_a_minute() {
+    let mut state = EnergyState::default();
+    for _ in 0..60 {
+        GAUGE.step(&mut state, EnergyInput { current_a: 2.0, voltage_v: 3.5 });
+    }
+    let share = 1.0 - Real::exp(-1.0);
+    assert!((state.average_a.get() / 2.0 - share).abs() < 0.01);
+    assert!((state.average_w.get() / 7.0 - share).abs() < 0.01);
+}
+
+#[test]
+fn nothing_is_left_where_it_cannot_give_the_power() {
+    assert_eq!(GAUGE.left(1e4, &at(0.9, 25.0), &health()), Left::default());
+    assert_eq!(GAUGE.left(1.0, &at(0.04, 25.0), &health()), Left::default());
+    let (mild, cold) = (at(0.5, 25.0), at(0.5, -10.0));
+    assert!(
+        GAUGE.left(5.0, &cold, &health()).energy_wh
+            < 0.7 * GAUGE.left(5.0, &mild, &health()).energy_wh
+    );
+}
+
+#[test]
+fn bad_values_are_left_out_and_not_reported_on() {
+    let mut state = EnergyState::default();
+    for bad in [Real::NAN, Real::INFINITY, -1e38] {
+        assert!(!GAUGE.step(&mut state, EnergyInput { current_a: bad, voltage_v: 3.6 }));
+        assert!(!GAUGE.step(&mut state, EnergyInput { current_a: 1.0, voltage_v: bad }));
+        assert_eq!(state, EnergyState::default());
+        let good = at(0.5, 25.0);
+        for estimate in [
+            Estimate { soc: bad, ..good },
+            Estimate { soc_sd: bad, ..good },
+            Estimate { temperature_c: bad, ..good },
+        ] {
+            assert_eq!(GAUGE.report(&state, &estimate, &health()), None);
+        }
+        for health in [
+            Health { capacity_ah: bad, ..health() },
+            Health { capacity_sd_ah: bad, ..health() },
+            Health { resistance_factor: bad, ..health() },
+        ] {
+            assert_eq!(GAUGE.report(&state, &good, &health), None);
+        }
+    }
+}
+
+#[test]
+fn refuses_each_bad_field_by_name() {
+    let refused = |p| EnergyGauge::new(p, &CELL, DT).unwrap_err().field();
+    for bad in [-1.0, Real::NAN, Real::INFINITY] {
+        for (params, field) in [
+            (EnergyParams { empty_soc: bad, ..PARAMS }, "energy.empty_soc"),
+            (EnergyParams { full_soc: bad, ..PARAMS }, "energy.full_soc"),
+            (EnergyParams { empty_v: bad, ..PARAMS }, "energy.empty_v"),
+            (EnergyParams { least_a: bad, ..PARAMS }, "energy.least_a"),
+        ] {
+            assert_eq!(refused(params), field);
+        }
+    }
+    assert_eq!(
+        EnergyGauge::new(EnergyParams { full_soc: 0.05, ..PARAMS }, &CELL, DT),
+        Err(ParamError::NotAbove("energy.full_soc"))
+    );
+}

@@ -1,0 +1,455 @@
+//! Resistance by recursive least squares.
+
+use plant_core::battery::{MappedBattery, Resistances};
+use plant_core::error::{check, positive};
+use plant_core::num::{clamp, lag_gain, max, min, sane, sqrt};
+use plant_core::{Accum, Dt, ParamError, Real};
+
+use super::OUTLIER_SDS;
+use crate::Estimate;
+
+/// Factors outside are not believed.
+const SMALLEST_FACTOR: Real = 0.2;
+/// Factors outside are not believed.
+const LARGEST_FACTOR: Real = 10.0;
+
+/// A single residual's square over what was expected counts up to this.
+const MOST_MISFIT: Real = 1000.0;
+
+/// What is known about the readings, and how a [`ResistanceEstimator`] learns from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct ResistanceParams {
+    /// Standard deviation of a voltage reading \[V\], quantum included, above zero.
+    pub voltage_sd_v: Real,
+    /// Standard deviation of a current reading \[A\], quantum included, above zero.
+    pub current_sd_a: Real,
+    /// The smallest change of the current between two samples to learn from \[A\], above zero.
+    /// Noise of the current lowers the result by twice the square of `current_sd_a` over this:
+    /// 2 % at ten times the noise.
+    pub least_step_a: Real,
+    /// How many such changes are remembered, above 1: with λ = 1 − 1/n.
+    pub memory_steps: Real,
+    /// Standard deviation of the factor before anything was learnt, above zero.
+    pub initial_sd: Real,
+}
+
+/// The factor by which a battery's resistances exceed those of its parameters.
+///
+/// Between two samples the open-circuit voltage hardly moves and what moves slowly drops out:
+/// `−ΔV = f·Δη + noise`, η the overpotential `R0·I + v1 + v2` that the battery of the parameters
+/// would show under the same current, at the same state of charge and temperature; so neither of
+/// the two is in the factor. Recursive least squares with forgetting (Ljung 1999, *System
+/// Identification*, eq. 11.12) for one parameter:
+/// `S = P·x² + r`, `f += P·x/S·(y − f·x)`, `P = P·r/(S·λ)`, only where the current changes enough,
+/// so that nothing is forgotten while nothing is learnt. `r` is the variance of the readings; an
+/// innovation beyond three standard deviations counts as if the readings were as uncertain as
+/// that. Where the residuals are larger than `r` says, so is the published standard deviation.
+///
+/// What is wrong alike in every sample is not in it: the gain of a sensor, the map of the
+/// parameters. What sees mostly short steps sees mostly the series resistance: where the branches age
+/// differently, the factor is that of the former.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResistanceEstimator<'b> {
+    battery: &'b MappedBattery,
+    gains: [Real; 2],
+    soc_per_a: Real,
+    refresh_steps: u32,
+    voltage_variance: Real,
+    current_variance: Real,
+    least_step_a: Real,
+    per_memory: Real,
+    largest_variance: Real,
+}
+
+/// The state of a [`ResistanceEstimator`]; [`ResistanceEstimator::unknown`] and
+/// [`ResistanceEstimator::known`] make one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResistanceState {
+    factor: Real,
+    variance: Real,
+    /// Mean square of the innovations over what was expected.
+    misfit: Real,
+    /// Of the battery of the parameters.
+    polarisation_v: [Accum; 2],
+    resistances: Resistances,
+    steps_left: u32,
+    last: Option<Sample>,
+}
+
+/// What the next sample is compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Sample {
+    voltage_v: Real,
+    current_a: Real,
+    overpotential_v: Real,
+}
+
+/// What a [`ResistanceEstimator`] looks at: readings of the same instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResistanceInput {
+    /// Voltage at the terminals \[V\].
+    pub voltage_v: Real,
+    /// Current \[A\], positive when discharging.
+    pub current_a: Real,
+    /// What is believed to be in the battery; of it, state of charge and temperature.
+    pub estimate: Estimate,
+}
+
+/// What a [`ResistanceEstimator`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResistanceOutput {
+    /// The resistances are larger by this factor.
+    pub factor: Real,
+    /// Its standard deviation.
+    pub factor_sd: Real,
+    /// This sample changed it.
+    pub learned: bool,
+    /// The input was not finite or absurd; the factor is unchanged, and what comes next is not
+    /// compared with this sample.
+    pub rejected: bool,
+}
+
+impl<'b> ResistanceEstimator<'b> {
+    /// Checks `params` and discretises them for samples every `dt` of a `battery`, whose own step
+    /// does not matter here.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(
+        params: ResistanceParams,
+        battery: &'b MappedBattery,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        let voltage_sd_v = check!(positive("resistance.voltage_sd_v", params.voltage_sd_v));
+        let current_sd_a = check!(positive("resistance.current_sd_a", params.current_sd_a));
+        let memory = check!(positive("resistance.memory_steps", params.memory_steps));
+        if memory <= 1.0 {
+            return Err(ParamError::NotAbove("resistance.memory_steps"));
+        }
+        let initial_sd = check!(positive("resistance.initial_sd", params.initial_sd));
+        let known = battery.params();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "held in 1..2^31 first"
+        )]
+        let refresh_steps = clamp(known.refresh_s / dt.s() + 0.5, 1.0, 2_147_483_648.0) as u32;
+        Ok(Self {
+            battery,
+            gains: [
+                lag_gain(dt.s() / known.polarisation.time_constant_s),
+                lag_gain(dt.s() / known.second_polarisation.time_constant_s),
+            ],
+            soc_per_a: dt.s() / (3600.0 * known.capacity_ah),
+            refresh_steps,
+            voltage_variance: voltage_sd_v * voltage_sd_v,
+            current_variance: current_sd_a * current_sd_a,
+            least_step_a: check!(positive("resistance.least_step_a", params.least_step_a)),
+            per_memory: 1.0 / memory,
+            largest_variance: initial_sd * initial_sd,
+        })
+    }
+
+    /// Nothing learnt yet: a rested battery as its parameters say.
+    #[must_use]
+    pub const fn unknown(&self) -> ResistanceState {
+        ResistanceState {
+            factor: 1.0,
+            variance: self.largest_variance,
+            misfit: 1.0,
+            polarisation_v: [Accum::new(0.0); 2],
+            resistances: Resistances { series_ohm: 0.0, polarisation_ohm: [0.0; 2] },
+            steps_left: 0,
+            last: None,
+        }
+    }
+
+    /// What was learnt before, from a record; a rested battery. What is not finite or out of range
+    /// is not taken.
+    #[must_use]
+    pub const fn known(&self, factor: Real, factor_sd: Real) -> ResistanceState {
+        let mut state = self.unknown();
+        let variance = factor_sd * factor_sd;
+        if factor >= SMALLEST_FACTOR && factor <= LARGEST_FACTOR && variance >= 0.0 {
+            state.factor = factor;
+            state.variance = min(variance, self.largest_variance);
+        }
+        state
+    }
+
+    /// Looks at one sample.
+    pub fn step(&self, state: &mut ResistanceState, input: ResistanceInput) -> ResistanceOutput {
+        let (soc, celsius) = (input.estimate.soc, input.estimate.temperature_c);
+        let magnitude = input.voltage_v.abs() + input.current_a.abs() + soc.abs() + celsius.abs();
+        let rejected = !sane(magnitude);
+        let mut learned = false;
+        if rejected {
+            state.last = None;
+        } else {
+            let sample = self.follow(state, input);
+            if let Some(last) = state.last.replace(sample)
+                && (sample.current_a - last.current_a).abs() >= self.least_step_a
+                && self.battery.params().identified.holds(soc, celsius)
+            {
+                // The open-circuit voltage's own way between the two.
+                let (_, slope_v) = self.battery.open_circuit().with_slope(soc);
+                let drift_v = slope_v * self.soc_per_a * sample.current_a;
+                let drop_v = last.voltage_v - sample.voltage_v - drift_v;
+                self.learn(state, sample.overpotential_v - last.overpotential_v, drop_v);
+                learned = true;
+            }
+        }
+        ResistanceOutput {
+            factor: state.factor,
+            factor_sd: sqrt(state.variance * max(1.0, state.misfit)),
+            learned,
+            rejected,
+        }
+    }
+
+    /// The battery of the parameters under the same current.
+    fn follow(&self, state: &mut ResistanceState, input: ResistanceInput) -> Sample {
+        if state.steps_left == 0 {
+            state.steps_left = self.refresh_steps;
+            state.resistances =
+                self.battery.resistances(input.estimate.soc, input.estimate.temperature_c);
+        }
+        state.steps_left -= 1;
+        let mut overpotential_v = state.resistances.series_ohm * input.current_a;
+        for ((voltage_v, gain), ohm) in
+            state.polarisation_v.iter_mut().zip(self.gains).zip(state.resistances.polarisation_ohm)
+        {
+            voltage_v.add(gain * (ohm * input.current_a - voltage_v.get()));
+            overpotential_v += voltage_v.get();
+        }
+        Sample { voltage_v: input.voltage_v, current_a: input.current_a, overpotential_v }
+    }
+
+    /// One step of least squares: `dropped_v` where the battery of the parameters drops
+    /// `expected_v`.
+    fn learn(&self, state: &mut ResistanceState, expected_v: Real, dropped_v: Real) {
+        let ohm = state.factor * state.resistances.series_ohm;
+        let doubt = state.variance * expected_v * expected_v;
+        let expected = doubt + 2.0 * (self.voltage_variance + ohm * ohm * self.current_variance);
+        let innovation_v = dropped_v - state.factor * expected_v;
+        let square = innovation_v * innovation_v;
+        let spread = max(expected, square / (OUTLIER_SDS * OUTLIER_SDS));
+        let factor = state.factor + state.variance * expected_v / spread * innovation_v;
+        let variance = state.variance * ((spread - doubt) / spread) / (1.0 - self.per_memory);
+        if factor.is_finite() && variance.is_finite() {
+            state.factor = clamp(factor, SMALLEST_FACTOR, LARGEST_FACTOR);
+            state.variance = min(variance, self.largest_variance);
+            let beyond = min(square / expected, MOST_MISFIT);
+            state.misfit += self.per_memory * (beyond - state.misfit);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use plant_core::battery::MappedBatteryParams;
+    use plant_core::must;
+    use plant_core::presets::PANASONIC_NCR18650PF;
+
+    use super::*;
+
+    const DT: Dt = must!(Dt::from_s(1.0));
+    const BATTERY: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
+    const PARAMS: ResistanceParams = ResistanceParams {
+        voltage_sd_v: 0.001,
+        current_sd_a: 0.01,
+        least_step_a: 0.3,
+        memory_steps: 500.0,
+        initial_sd: 0.5,
+    };
+    const ESTIMATOR: ResistanceEstimator<'static> =
+        must!(ResistanceEstimator::new(PARAMS, &BATTERY, DT));
+
+    fn at(soc: Real) -> Estimate {
+        Estimate {
+            soc,
+            soc_sd: 0.01,
+            polarisation_v: [0.0; 2],
+            hysteresis: 0.0,
+            offset_v: 0.0,
+            temperature_c: 25.0,
+        }
+    }
+
+    /// The current of a restless driver.
+    fn current_a(i: u32) -> Real {
+        [0.0, 2.0, 5.0, -1.0, 3.0, 3.0, 0.5][i as usize % 7]
+    }
+
+    /// Runs `steps` seconds of a cell with resistances `factor` times as large; `disturb` may
+    /// change what is read.
+    fn run(
+        state: &mut ResistanceState,
+        factor: Real,
+        steps: u32,
+        disturb: impl Fn(u32, &mut ResistanceInput),
+    ) -> ResistanceOutput {
+        let mut cell = BATTERY.rested_at(0.6, 25.0).unwrap();
+        let mut out = ESTIMATOR.step(
+            state,
+            ResistanceInput {
+                voltage_v: BATTERY.open_circuit().at(0.6),
+                current_a: 0.0,
+                estimate: at(0.6),
+            },
+        );
+        for i in 0..steps {
+            let current_a = current_a(i);
+            let open_circuit_v = BATTERY.open_circuit().at(cell.soc.get());
+            let (source, _) = BATTERY.offer(&cell);
+            let over_v = open_circuit_v - source.voltage_v(current_a);
+            BATTERY.settle(&mut cell, current_a);
+            BATTERY.set_temperature(&mut cell, 25.0);
+            let mut input = ResistanceInput {
+                voltage_v: open_circuit_v - factor * over_v,
+                current_a,
+                estimate: at(cell.soc.get()),
+            };
+            disturb(i, &mut input);
+            out = ESTIMATOR.step(state, input);
+        }
+        out
+    }
+
+    #[test]
+    fn finds_the_factor() {
+        for factor in [0.7, 1.0, 1.4, 3.0] {
+            let out = run(&mut ESTIMATOR.unknown(), factor, 600, |_, _| {});
+            assert!((out.factor / factor - 1.0).abs() < 5e-3, "{factor}: {out:?}");
+            assert!(out.factor_sd < 0.02, "{out:?}");
+        }
+    }
+
+    #[test]
+    fn follows_a_change_and_remembers_what_it_is_told() {
+        let mut state = ESTIMATOR.known(1.4, 0.01);
+        assert_eq!((state.factor, state.last), (1.4, None));
+        run(&mut state, 1.4, 600, |_, _| {});
+        let out = run(&mut state, 1.6, 4000, |_, _| {});
+        assert!((out.factor - 1.6).abs() < 0.02, "{out:?}");
+        for (factor, sd) in [(Real::NAN, 0.1), (0.0, 0.1), (1.2, Real::NAN)] {
+            assert_eq!(ESTIMATOR.known(factor, sd), ESTIMATOR.unknown());
+        }
+    }
+
+    #[test]
+    fn learns_nothing_where_nothing_changes() {
+        let mut state = ESTIMATOR.unknown();
+        let steady = |i: u32| [2.0, 2.1, 2.2][i as usize % 3];
+        for i in 0..1000 {
+            let input = ResistanceInput { voltage_v: 3.6, current_a: steady(i), estimate: at(0.6) };
+            let out = ESTIMATOR.step(&mut state, input);
+            assert!(!out.learned && out.factor == 1.0 && out.factor_sd == 0.5, "{out:?}");
+        }
+    }
+
+    #[test]
+    fn a_wild_reading_now_and_then_does_little() {
+        let wild = |i: u32, input: &mut ResistanceInput| {
+            if i % 50 == 7 {
+                input.voltage_v += 1.0;
+            }
+        };
+        let out = run(&mut ESTIMATOR.unknown(), 1.4, 3000, wild);
+        assert!((out.factor - 1.4).abs() < 0.05, "{out:?}");
+    }
+
+    #[test]
+    fn says_so_where_the_readings_are_worse_than_promised() {
+        let noisy = |i: u32, input: &mut ResistanceInput| {
+            input.voltage_v += 0.003 * Real::from(((i % 13) * (i % 13) % 13) as u8) - 0.018;
+        };
+        let out = run(&mut ESTIMATOR.unknown(), 1.4, 3000, noisy);
+        let calm = run(&mut ESTIMATOR.unknown(), 1.4, 3000, |_, _| {});
+        assert!((out.factor - 1.4).abs() < 3.0 * out.factor_sd, "{out:?}");
+        assert!(out.factor_sd > 2.0 * calm.factor_sd, "{out:?} {calm:?}");
+    }
+
+    #[test]
+    fn bad_readings_change_nothing_and_are_not_compared() {
+        let mut state = ESTIMATOR.unknown();
+        run(&mut state, 1.4, 600, |_, _| {});
+        let before = state.factor;
+        for bad in [Real::NAN, Real::INFINITY, -1e38] {
+            for field in 0..4 {
+                let mut input =
+                    ResistanceInput { voltage_v: 3.6, current_a: 1.0, estimate: at(0.6) };
+                match field {
+                    0 => input.voltage_v = bad,
+                    1 => input.current_a = bad,
+                    2 => input.estimate.soc = bad,
+                    _ => input.estimate.temperature_c = bad,
+                }
+                assert!(ESTIMATOR.step(&mut state, input).rejected);
+                let next = ResistanceInput { voltage_v: 1.0, current_a: 9.0, estimate: at(0.6) };
+                assert!(!ESTIMATOR.step(&mut state, next).learned);
+                assert_eq!(state.factor, before);
+            }
+        }
+    }
+
+    #[test]
+    fn stays_within_bounds() {
+        let absurd = |_, input: &mut ResistanceInput| input.voltage_v *= -1e6;
+        for factor in [-50.0, 50.0] {
+            let out = run(&mut ESTIMATOR.unknown(), factor, 3000, absurd);
+            assert!((SMALLEST_FACTOR..=LARGEST_FACTOR).contains(&out.factor), "{out:?}");
+            assert!(out.factor_sd.is_finite() && out.factor_sd > 0.0);
+        }
+    }
+
+    #[test]
+    fn does_not_learn_outside_the_identified_range() {
+        const NARROW: MappedBattery = must!(MappedBattery::new(
+            MappedBatteryParams {
+                identified: plant_core::battery::IdentifiedRange {
+                    soc_min: 0.7,
+                    ..PANASONIC_NCR18650PF.identified
+                },
+                ..PANASONIC_NCR18650PF
+            },
+            DT
+        ));
+        let estimator = ResistanceEstimator::new(PARAMS, &NARROW, DT).unwrap();
+        let mut state = estimator.unknown();
+        for (i, soc, learned) in [(0, 0.6, false), (1, 0.6, false), (2, 0.8, true)] {
+            let input =
+                ResistanceInput { voltage_v: 3.6, current_a: current_a(i), estimate: at(soc) };
+            assert_eq!(estimator.step(&mut state, input).learned, learned);
+        }
+    }
+
+    #[test]
+    fn refuses_each_bad_field_by_name() {
+        let refused = |p| ResistanceEstimator::new(p, &BATTERY, DT).unwrap_err().field();
+        for bad in [0.0, -1.0, Real::NAN, Real::INFINITY] {
+            let fields = [
+                (ResistanceParams { voltage_sd_v: bad, ..PARAMS }, "resistance.voltage_sd_v"),
+                (ResistanceParams { current_sd_a: bad, ..PARAMS }, "resistance.current_sd_a"),
+                (ResistanceParams { least_step_a: bad, ..PARAMS }, "resistance.least_step_a"),
+                (ResistanceParams { memory_steps: bad, ..PARAMS }, "resistance.memory_steps"),
+                (ResistanceParams { initial_sd: bad, ..PARAMS }, "resistance.initial_sd"),
+            ];
+            for (params, field) in fields {
+                assert_eq!(refused(params), field);
+            }
+        }
+        let forgetful = ResistanceParams { memory_steps: 1.0, ..PARAMS };
+        assert_eq!(
+            ResistanceEstimator::new(forgetful, &BATTERY, DT),
+            Err(ParamError::NotAbove("resistance.memory_steps"))
+        );
+    }
+}
