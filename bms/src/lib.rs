@@ -17,31 +17,30 @@
 //! # Map
 //! | Module | What it does |
 //! |---|---|
-//! | [`energy`] | energy and time left |
+//! | [`measurement`] | what is measured on a pack, with validity and age |
 //! | [`estimate`] | what is believed to be in a battery |
 //! | [`ekf`] | state of charge from current and voltage, by a Kalman filter that knows its limits |
-//! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
 //! | [`coulomb`] | state of charge by counting, put right at rest |
-//! | [`measurement`] | what is measured on a pack, with validity and age |
-//! | [`record`] | what is worth knowing after a power cut, in two slots |
-//! | [`power`] | state of power: what may be drawn and charged over the next seconds |
+//! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
 //! | [`soh`] | state of health: resistance and capacity, with their uncertainty |
+//! | [`energy`] | energy and time left |
+//! | [`power`] | state of power: what may be drawn and charged over the next seconds |
+//! | [`record`] | what is worth knowing after a power cut, in two slots |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
-pub mod ekf;
 pub mod cells;
 pub mod coulomb;
 mod curve;
-pub mod estimate;
-pub mod measurement;
-pub mod record;
+pub mod ekf;
 pub mod energy;
 pub mod estimate;
+pub mod measurement;
 pub mod power;
+pub mod record;
 pub mod soh;
 
 pub use estimate::Estimate;
