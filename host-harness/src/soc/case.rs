@@ -4,13 +4,16 @@ use plant_core::Dt;
 use plant_core::battery::{MappedBatteryParams, OverSoc};
 use plant_core::num::{SOC_POINTS, SocTable};
 use serde::Serialize;
-use voltstep_bms::ekf::{Ekf, EkfInput, EkfParams};
+use voltstep_bms::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
+use voltstep_bms::ekf::{Ekf, EkfInput, EkfParams, Uncertainty};
 
 use super::samples::Samples;
 use crate::battery_file::BatteryFile;
 
 /// An estimator is taken to know a start that is said to be right this well.
 const START_SD: f64 = 0.01;
+/// After this long without current the voltage is that of a rested battery \[s\].
+const REST_S: f32 = 1800.0;
 
 /// What is wrong: start, sensors, parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -157,6 +160,50 @@ pub fn ekf(battery: &BatteryFile, samples: &Samples, case: &Case) -> anyhow::Res
             filter.step(&mut state, input);
             let estimate = filter.estimate(&state);
             point(battery, samples, i, f64::from(estimate.soc), f64::from(estimate.soc_sd))
+        })
+        .collect())
+}
+
+/// Counts the charge of samples with what a case makes wrong; the voltage is asked after a rest.
+///
+/// # Errors
+/// Parameters that the counter refuses.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "f32; a count")]
+pub fn coulomb(
+    battery: &BatteryFile,
+    samples: &Samples,
+    case: &Case,
+) -> anyhow::Result<Vec<Point>> {
+    let believed = case.believed(&battery.battery);
+    let known = Uncertainty::typical(believed.open_circuit.at(0.5), believed.capacity_ah);
+    let counter = CoulombCounter::new(
+        CoulombParams {
+            capacity_ah: believed.capacity_ah,
+            capacity_sd_ah: known.capacity_sd * believed.capacity_ah,
+            charge_efficiency: 1.0,
+            offset_sd_a: known.current_offset_sd_a,
+            gain_sd: 0.005,
+            largest_current_a: 2.0 * believed.discharge_limit_a,
+            open_circuit: believed.open_circuit,
+            rest_voltage_sd_v: known.open_circuit_sd_v,
+            rest_current_a: known.current_offset_sd_a,
+            rest_s: REST_S,
+        },
+        Dt::from_s(samples.dt_s as f32)?,
+    )?;
+    let (soc, sd) = case.start(samples);
+    let mut state = CoulombState::known(soc as f32, sd as f32);
+    let mut noise = Noise::new(case, f64::from(battery.battery.capacity_ah));
+    let per_review = ((1.0 / samples.dt_s).round() as usize).max(1);
+    let mut out = counter.review(&mut state, f32::NAN);
+    Ok((0..samples.soc.len())
+        .map(|i| {
+            let (current_a, voltage_v) = noise.disturb(samples.current_a[i], samples.voltage_v[i]);
+            counter.step(&mut state, CoulombInput { current_a: current_a as f32 });
+            if (i + 1).is_multiple_of(per_review) {
+                out = counter.review(&mut state, voltage_v as f32);
+            }
+            point(battery, samples, i, f64::from(counter.soc(&state)), f64::from(out.soc_sd))
         })
         .collect())
 }

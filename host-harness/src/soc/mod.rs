@@ -111,7 +111,7 @@ fn one(battery: &BatteryFile, measured: &Measured, options: &Options) -> anyhow:
         .map(|case| {
             let points = match options.estimator {
                 Estimator::Ekf => case::ekf(battery, &samples, case)?,
-                Estimator::Coulomb => anyhow::bail!("not yet"),
+                Estimator::Coulomb => case::coulomb(battery, &samples, case)?,
             };
             let figures = Figures::of(&points, samples.dt_s)
                 .with_context(|| format!("{}: no state of charge to compare with", samples.name))?;
