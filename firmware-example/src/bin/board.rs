@@ -92,8 +92,9 @@ fn run(device: pac::Peripherals, mut state: RigState<NoLedger>) {
         board.wait();
         let value = board.reference_m_s();
         // The rate is not known, and the pedal has no end.
-        let accepted =
-            RIG.step(&mut state, TimeTableOutput { value, rate_per_s: 0.0, ended: false });
+        let accepted = !RIG
+            .step(&mut state, TimeTableOutput { value, rate_per_s: 0.0, ended: false })
+            .rejected;
         board.show(state.seen.speed_m_s);
         steps = steps.wrapping_add(1);
         if steps.is_multiple_of(STEPS_PER_LINE) || !accepted {

@@ -1,6 +1,8 @@
 #![no_std]
 #![no_main]
-//! The coupled plant with its driver, closed loop over UDDS at 1 kHz, in the `SysTick` interrupt.
+//! The coupled plant with its driver, closed loop over UDDS at 1 kHz, in the `SysTick` interrupt; and
+//! beside it the estimators of a battery management system, for which the plant is the pack: they
+//! see it through noisy, coarse sensors and are told a state of charge that is 10 % wrong.
 //!
 //! QEMU does not keep time, so the interrupt asks for itself again at once. Each block of 1000
 //! steps ends with its hash (`DEFMT_LOG=debug`); with `VOLTSTEP_BLOCK=N` at build time, block N
@@ -42,15 +44,26 @@ fn main() -> ! {
         cortex_m::asm::isb();
         let Some(run) = cortex_m::interrupt::free(|cs| *RUN.borrow(cs).borrow()) else { continue };
         if let Some(block) = run.block_completed() {
-            defmt::debug!("block {=u32} {=u64:016x}", block, run.hash());
+            defmt::debug!(
+                "block {=u32} {=u64:016x} {=u64:016x}",
+                block,
+                run.hash(),
+                run.estimators_hash()
+            );
         }
         if run.ended() {
+            let believed = RIG.monitor.ekf.estimate(&run.monitor.ekf);
             defmt::info!(
-                "result hash {=u64:016x} soc {=f32} distance_m {=f32} rejected {=bool}",
+                "result hash {=u64:016x} {=u64:016x} soc {=f32} distance_m {=f32} rejected {=bool} \
+                 ekf {=f32} ± {=f32} counted {=f32}",
                 run.hash(),
+                run.estimators_hash(),
                 run.state.plant.battery.soc.get(),
                 run.state.plant.body.distance_m.get(),
-                run.rejected()
+                run.rejected(),
+                believed.soc,
+                believed.soc_sd,
+                RIG.monitor.counter.soc(&run.monitor.counter)
             );
             ExitCode::SUCCESS.exit_process();
         }

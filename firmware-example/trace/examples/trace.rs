@@ -1,9 +1,9 @@
 //! What the firmware's `sim` says, on this machine: `trace VEHICLE [BLOCK]`.
 //!
-//! `block N HASH` after each block; with a BLOCK also every frame in it.
+//! `fields NAMES`, then `block N HASH HASH` (plant, estimators) after each block; with a BLOCK also every frame in it.
 
 use plant_core::energy::NoLedger;
-use voltstep_trace::{BMW_I3, EPOWERTRAIN, Rig, Run};
+use voltstep_trace::{BMW_I3, EPOWERTRAIN, Frame, Rig, Run};
 
 fn main() {
     let mut words = std::env::args().skip(1);
@@ -20,6 +20,7 @@ fn main() {
 
 fn print(rig: &Rig<NoLedger>, wanted: Option<u32>) {
     let mut run = Run::new(rig).expect("the preset starts");
+    println!("fields {}", Frame::FIELDS.join(" "));
     let mut block = 0;
     while !run.ended() {
         let step = run.steps();
@@ -28,15 +29,20 @@ fn print(rig: &Rig<NoLedger>, wanted: Option<u32>) {
             println!("frame {step} {:08x?}", frame.0);
         }
         if let Some(completed) = run.block_completed() {
-            println!("block {completed} {:016x}", run.hash());
+            println!("block {completed} {:016x} {:016x}", run.hash(), run.estimators_hash());
             block = completed + 1;
         }
     }
+    let believed = rig.monitor.ekf.estimate(&run.monitor.ekf);
     println!(
-        "result hash {:016x} soc {} distance_m {} rejected {}",
+        "result hash {:016x} {:016x} soc {} distance_m {} rejected {} ekf {} ± {} counted {}",
         run.hash(),
+        run.estimators_hash(),
         run.state.plant.battery.soc.get(),
         run.state.plant.body.distance_m.get(),
-        run.rejected()
+        run.rejected(),
+        believed.soc,
+        believed.soc_sd,
+        rig.monitor.counter.soc(&run.monitor.counter)
     );
 }

@@ -1,13 +1,15 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! One vehicle with its driver, driven along UDDS at 1 kHz, and a hash of every bit of its state
-//! after every step. The same code runs in the firmware and in a test on the host.
+//! One vehicle with its driver, driven along UDDS at 1 kHz, the estimators of its battery beside it,
+//! and a hash of every bit of their state after every step. The same code runs in the firmware and in a test on the host.
 
 mod hash;
+mod monitor;
 mod rig;
 mod run;
 
 pub use hash::Fnv1a;
+pub use monitor::{Monitor, MonitorState};
 pub use rig::{Frame, Rig, RigState};
 pub use run::Run;
 

@@ -2,10 +2,16 @@
 
 use plant_core::driver::{Driver, DriverInput, DriverState, Feedback};
 use plant_core::energy::{Book, EnergyLedger, NoLedger};
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainState};
+use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
 use plant_core::presets::Vehicle;
 use plant_core::sources::TimeTableOutput;
 use plant_core::{Accum, Dt, ParamError};
+use voltstep_bms::ekf::EkfState;
+
+use crate::monitor::Monitor;
+
+/// The voltage at half charge, near enough for what is not known of a battery \[V\].
+const NOMINAL_V: f32 = 400.0;
 
 /// A plant and who drives it.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +20,8 @@ pub struct Rig<L> {
     pub plant: Powertrain<L>,
     /// The driver.
     pub driver: Driver,
+    /// The estimators beside it.
+    pub monitor: Monitor,
     initial_soc: f32,
 }
 
@@ -56,14 +64,25 @@ impl Rig<EnergyLedger> {
 
 impl<L: Copy> Rig<L> {
     const fn driven(plant: Powertrain<L>, vehicle: &Vehicle, dt: Dt) -> Result<Self, ParamError> {
-        match Driver::new(vehicle.driver, &vehicle.powertrain, dt) {
-            Ok(driver) => Ok(Self { plant, driver, initial_soc: vehicle.initial_soc }),
+        let driver = match Driver::new(vehicle.driver, &vehicle.powertrain, dt) {
+            Ok(driver) => driver,
+            Err(error) => return Err(error),
+        };
+        let battery = vehicle.powertrain.battery;
+        match Monitor::new(battery, NOMINAL_V) {
+            Ok(monitor) => Ok(Self { plant, driver, monitor, initial_soc: vehicle.initial_soc }),
             Err(error) => Err(error),
         }
     }
 }
 
 impl<L: Book> Rig<L> {
+    /// The state of charge at the start.
+    #[must_use]
+    pub const fn initial_soc(&self) -> f32 {
+        self.initial_soc
+    }
+
     /// Standing still, with the preset's state of charge.
     ///
     /// # Errors
@@ -74,9 +93,9 @@ impl<L: Book> Rig<L> {
         Ok(RigState { plant, driver: DriverState::default(), seen })
     }
 
-    /// One step of driver and plant. Whether the plant accepted it.
+    /// One step of driver and plant, and what the plant says of it.
     #[inline(always)]
-    pub fn step(&self, state: &mut RigState<L>, reference: TimeTableOutput) -> bool {
+    pub fn step(&self, state: &mut RigState<L>, reference: TimeTableOutput) -> PowertrainOutput {
         let command = self.driver.step(
             &mut state.driver,
             DriverInput {
@@ -89,17 +108,19 @@ impl<L: Book> Rig<L> {
         input.road.brake_n = command.brake_n;
         let out = self.plant.step(&mut state.plant, input);
         state.seen = Feedback::from(&out);
-        !out.rejected
+        out
     }
 }
 
-/// Every bit that a step leaves behind.
+/// Every bit that a step leaves behind, in the plant and in the estimators beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame(pub [u32; Self::FIELDS.len()]);
 
 impl Frame {
+    /// The first of them are the plant's.
+    pub const PLANT: usize = 12;
     /// What the words of a frame are. `lost` is what a compensated sum holds back.
-    pub const FIELDS: [&'static str; 12] = [
+    pub const FIELDS: [&'static str; 20] = [
         "current_a",
         "current_a.lost",
         "speed_m_s",
@@ -112,11 +133,19 @@ impl Frame {
         "rc_v.lost",
         "battery_v",
         "duty",
+        "ekf.soc",
+        "ekf.soc.lost",
+        "ekf.polarisation_v",
+        "ekf.error_v",
+        "ekf.own_variance",
+        "ekf.shared_per_v",
+        "ekf.error_variance_v2",
+        "counter.soc",
     ];
 
-    /// The words of a state.
+    /// The words of a plant, and of what is estimated of it.
     #[must_use]
-    pub fn of<L>(state: &RigState<L>) -> Self {
+    pub fn of<L>(state: &RigState<L>, ekf: &EkfState, counted_soc: f32) -> Self {
         let RigState { plant, seen, .. } = state;
         let [i, i_lost] = words(plant.current_a);
         let [v, v_lost] = words(plant.body.speed_m_s);
@@ -124,7 +153,34 @@ impl Frame {
         let [soc, soc_lost] = words(plant.battery.soc);
         let [rc, rc_lost] = words(plant.battery.rc.voltage_v);
         let (battery_v, duty) = (plant.battery_v.to_bits(), seen.duty.to_bits());
-        Self([i, i_lost, v, v_lost, x, x_lost, soc, soc_lost, rc, rc_lost, battery_v, duty])
+        let [ekf_soc, ekf_lost] = words(ekf.soc);
+        let [polarisation_v, _] = ekf.polarisation_v.map(f32::to_bits);
+        let [error_v, own, shared, error] =
+            [ekf.error_v, ekf.own_variance, ekf.shared_per_v, ekf.error_variance_v2]
+                .map(f32::to_bits);
+        let counted = counted_soc.to_bits();
+        Self([
+            i,
+            i_lost,
+            v,
+            v_lost,
+            x,
+            x_lost,
+            soc,
+            soc_lost,
+            rc,
+            rc_lost,
+            battery_v,
+            duty,
+            ekf_soc,
+            ekf_lost,
+            polarisation_v,
+            error_v,
+            own,
+            shared,
+            error,
+            counted,
+        ])
     }
 }
 

@@ -4,6 +4,7 @@ use plant_core::ParamError;
 use plant_core::energy::Book;
 use plant_core::sources::TimeTableState;
 
+use crate::monitor::MonitorState;
 use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK};
 
 /// A vehicle on its way along the cycle, and the hash of all that was.
@@ -11,8 +12,11 @@ use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK};
 pub struct Run<L> {
     /// Where it is.
     pub state: RigState<L>,
+    /// What its estimators believe.
+    pub monitor: MonitorState,
     clock: TimeTableState,
     hash: Fnv1a,
+    estimators: Fnv1a,
     steps: u32,
     rejected: bool,
 }
@@ -24,19 +28,27 @@ impl<L: Book> Run<L> {
     /// [`ParamError::NotARatio`] for a vehicle whose state of charge is none.
     pub fn new(rig: &Rig<L>) -> Result<Self, ParamError> {
         let state = rig.start()?;
+        let monitor = rig.monitor.start(rig.initial_soc())?;
         let (clock, hash) = (TimeTableState::default(), Fnv1a::default());
-        Ok(Self { state, clock, hash, steps: 0, rejected: false })
+        Ok(Self { state, monitor, clock, hash, estimators: hash, steps: 0, rejected: false })
     }
 
-    /// One step: reference, driver, plant, hash. What it left behind.
+    /// One step: reference, driver, plant, estimators, hash. What it left behind.
     #[inline]
     pub fn step(&mut self, rig: &Rig<L>) -> Frame {
         let reference = REFERENCE.step(&mut self.clock, ());
-        self.rejected |= !rig.step(&mut self.state, reference);
+        let pack = rig.step(&mut self.state, reference);
+        self.rejected |= pack.rejected;
+        rig.monitor.step(&mut self.monitor, self.steps, &pack);
         self.steps += 1;
-        let frame = Frame::of(&self.state);
-        for word in frame.0 {
-            self.hash.word(word);
+        let counted_soc = rig.monitor.counter.soc(&self.monitor.counter);
+        let frame = Frame::of(&self.state, &self.monitor.ekf, counted_soc);
+        let (plant, estimators) = frame.0.split_at(Frame::PLANT);
+        for word in plant {
+            self.hash.word(*word);
+        }
+        for word in estimators {
+            self.estimators.word(*word);
         }
         frame
     }
@@ -63,10 +75,16 @@ impl<L: Book> Run<L> {
         }
     }
 
-    /// The hash of every frame so far.
+    /// The hash of the plant's part of every frame so far.
     #[must_use]
     pub const fn hash(&self) -> u64 {
         self.hash.get()
+    }
+
+    /// The hash of the estimators' part.
+    #[must_use]
+    pub const fn estimators_hash(&self) -> u64 {
+        self.estimators.get()
     }
 
     /// Whether the plant refused a step.

@@ -14,8 +14,9 @@ fn section(name: &str, rig: &Rig<NoLedger>) -> String {
     assert!(!run.rejected());
     let plant = run.state.plant;
     format!(
-        "[{name}]\nhash = \"{:016x}\"\nsoc = \"{}\"\ndistance_m = \"{}\"\n",
+        "[{name}]\nhash = \"{:016x}\"\nestimators = \"{:016x}\"\nsoc = \"{}\"\ndistance_m = \"{}\"\n",
         run.hash(),
+        run.estimators_hash(),
         plant.battery.soc.get(),
         plant.body.distance_m.get()
     )
@@ -37,6 +38,23 @@ fn one_bit_changes_the_hash() {
     let frames = runs.each_mut().map(|run| run.step(&EPOWERTRAIN));
     assert_ne!(frames[0], frames[1]);
     assert_ne!(runs[0].hash(), runs[1].hash());
+}
+
+/// The plant is the pack: estimators that see it through bad sensors find its state of charge.
+#[test]
+fn the_estimators_find_the_state_of_charge() {
+    for rig in [EPOWERTRAIN, BMW_I3] {
+        let mut run = Run::new(&rig).unwrap();
+        while !run.ended() {
+            run.step(&rig);
+        }
+        let truth = run.state.plant.battery.soc.get();
+        let believed = rig.monitor.ekf.estimate(&run.monitor.ekf);
+        let error = (believed.soc - truth).abs();
+        assert!(error < 0.03 && error < 3.0 * believed.soc_sd, "{truth} {believed:?}");
+        let counted = rig.monitor.counter.soc(&run.monitor.counter);
+        assert!((0.08..0.12).contains(&(truth - counted)), "{truth} {counted}: cannot know");
+    }
 }
 
 #[test]

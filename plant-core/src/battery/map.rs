@@ -1,7 +1,7 @@
 //! What a [`MappedBattery`](super::MappedBattery) is made of: quantities over the state of charge
 //! and the temperature, and the lumped thermal node.
 
-use super::OpenCircuit;
+use super::{BatteryParams, OpenCircuit};
 use crate::error::{ParamError, check, limit, not_negative, positive, ratio};
 use crate::num::{Real, SocTable, clamp, exp};
 
@@ -342,6 +342,32 @@ const fn no_branch() -> BranchMap {
 }
 
 impl MappedBatteryParams {
+    /// A battery with constant parameters and one RC branch, as a map.
+    #[must_use]
+    pub const fn constant(params: BatteryParams) -> Self {
+        Self {
+            capacity_ah: params.capacity_ah,
+            discharge_limit_a: params.discharge_limit_a,
+            charge_limit_a: params.charge_limit_a,
+            refresh_s: 1.0,
+            open_circuit: params.open_circuit,
+            hysteresis: HysteresisParams::NONE,
+            series: ResistanceMap {
+                resistance_ohm: OverSoc::Constant(params.series_resistance_ohm),
+                activation_k: 0.0,
+            },
+            polarisation: BranchMap {
+                resistance_ohm: OverSoc::Constant(params.polarisation.resistance_ohm),
+                activation_k: 0.0,
+                time_constant_s: params.polarisation.resistance_ohm
+                    * params.polarisation.capacitance_f,
+            },
+            second_polarisation: BranchMap::NONE,
+            thermal: ThermalParams::FIXED,
+            identified: IdentifiedRange::ALL,
+        }
+    }
+
     pub(super) const fn checked(self) -> Result<Self, ParamError> {
         check!(positive("battery.capacity_ah", self.capacity_ah));
         check!(limit("battery.discharge_limit_a", self.discharge_limit_a));
