@@ -3,7 +3,7 @@
 use core::hint::cold_path;
 
 use plant_core::error::{above, positive, ratio};
-use plant_core::num::{SocTable, clamp, min, sane, sound, sqrt};
+use plant_core::num::{SocTable, clamp, sane, sound};
 use plant_core::{Dt, ParamError, Real, check};
 
 use crate::Estimate;
@@ -14,7 +14,7 @@ mod spread;
 
 pub use params::CellsParams;
 use params::{SMALLEST_NOISE_V, cell_v, noise_variances};
-pub use spread::SocSpread;
+pub use spread::{CellSoc, SocSpread};
 
 /// How far each cell's state of charge lies from the pack's.
 ///
@@ -30,6 +30,46 @@ pub use spread::SocSpread;
 ///
 /// The filter reads the curve by its tangent. Where the curve bends within reach of what a cell may
 /// differ by, the tangent's own error counts as noise, so a knee is believed once it is passed.
+///
+/// ```
+/// use plant_core::battery::OpenCircuit;
+/// use plant_core::must;
+/// use voltstep_bms::cells::{Cells, CellsInput, CellsParams};
+/// use voltstep_bms::{Dt, Estimate};
+///
+/// const CELLS: Cells = must!(Cells::new(
+///     CellsParams {
+///         open_circuit: OpenCircuit::Linear { empty_v: 3.0, full_v: 4.2 },
+///         noise_sd_v: 0.002,
+///         offset_sd_v: 0.003,
+///         resistance_sd_ohm: 0.000_1,
+///         capacity_sd: 0.01,
+///         soc_sd: 0.02,
+///         drift_sd_per_day: 0.001,
+///         pack_soc_sd_max: 0.05,
+///         voltage_min_v: 2.0,
+///         voltage_max_v: 4.5,
+///     },
+///     must!(Dt::from_s(1.0)),
+/// ));
+///
+/// let pack = Estimate {
+///     soc: 0.6,
+///     soc_sd: 0.01,
+///     polarisation_v: [0.0; 2],
+///     hysteresis: 0.0,
+///     offset_v: 0.0,
+///     temperature_c: 25.0,
+/// };
+/// let mut state = CELLS.start::<3>(pack);
+/// for _ in 0..300 {
+///     let cell_v = [3.66, 3.70, 3.68]; // 20 mV apart at rest
+///     CELLS.step(&mut state, CellsInput { pack, cell_v: &cell_v, current_a: 0.0 });
+/// }
+/// let spread = state.spread();
+/// assert_eq!((spread.min_index, spread.max_index), (0, 1));
+/// assert!((spread.max - spread.min - 0.04 / 1.2).abs() < 2e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells {
     curve: SocTable,
@@ -89,20 +129,6 @@ pub struct CellsInput<'a, const CELLS: usize> {
     pub cell_v: &'a [Real; CELLS],
     /// Pack current \[A\]; NaN where there is no usable reading: then every cell is held.
     pub current_a: Real,
-}
-
-/// The state of charge of one cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct CellSoc {
-    /// State of charge, 0..1.
-    pub soc: Real,
-    /// Its standard deviation.
-    pub soc_sd: Real,
-    /// Its voltage said nothing in the last step: no usable reading of it, of the current or of
-    /// the pack.
-    pub held: bool,
 }
 
 /// What one step of [`Cells`] says.
@@ -311,23 +337,6 @@ impl Cells {
             cell.soc = clamp(cell.soc, -1.0, 1.0);
         }
         expected_v
-    }
-}
-
-impl<const CELLS: usize> CellsState<CELLS> {
-    /// What is believed of one cell; `None` where there is none of this number.
-    #[must_use]
-    pub fn cell(&self, index: usize) -> Option<CellSoc> {
-        let cell = self.cells.get(index)?;
-        let held = self.held > 0 && cell.held;
-        let variance = self.pack_soc_sd * self.pack_soc_sd
-            + cell.soc_variance()
-            + if held { 0.0 } else { self.others_variance };
-        Some(CellSoc {
-            soc: clamp(self.pack_soc + cell.soc, 0.0, 1.0),
-            soc_sd: sqrt(min(variance, 1.0)),
-            held,
-        })
     }
 }
 
