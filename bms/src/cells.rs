@@ -3,20 +3,22 @@
 use core::hint::cold_path;
 
 use plant_core::error::{above, positive, ratio};
-use plant_core::num::{SocTable, clamp, min, sane, sound, sqrt};
+use plant_core::num::{SocTable, clamp, sane, sound};
 use plant_core::{Dt, ParamError, Real, check};
 
 use crate::Estimate;
 use crate::curve::{INTERVALS, as_table, tangent};
 
 mod params;
+mod spread;
 
 pub use params::CellsParams;
 use params::{SMALLEST_NOISE_V, cell_v, noise_variances};
+pub use spread::{CellSoc, SocSpread};
 
 /// How far each cell's state of charge lies from the pack's.
 ///
-/// Bar-delta filtering (Plett 2009; 2015, vol. 2, sec. 4.13): the pack's estimate follows the mean
+/// Bar-delta filtering (Plett 2009; 2015, vol. 2, ch. 4): the pack's estimate follows the mean
 /// of the cells, and for each cell a scalar Kalman filter reads from its voltage's deviation from
 /// the mean the difference of its state of charge, `v − v̄ = OCV(s̄ + δ) − OCV(s̄)`. Where the curve
 /// is flat the gain is zero by itself: the cell is held there.
@@ -28,6 +30,46 @@ use params::{SMALLEST_NOISE_V, cell_v, noise_variances};
 ///
 /// The filter reads the curve by its tangent. Where the curve bends within reach of what a cell may
 /// differ by, the tangent's own error counts as noise, so a knee is believed once it is passed.
+///
+/// ```
+/// use plant_core::battery::OpenCircuit;
+/// use plant_core::must;
+/// use voltstep_bms::cells::{Cells, CellsInput, CellsParams};
+/// use voltstep_bms::{Dt, Estimate};
+///
+/// const CELLS: Cells = must!(Cells::new(
+///     CellsParams {
+///         open_circuit: OpenCircuit::Linear { empty_v: 3.0, full_v: 4.2 },
+///         noise_sd_v: 0.002,
+///         offset_sd_v: 0.003,
+///         resistance_sd_ohm: 0.000_1,
+///         capacity_sd: 0.01,
+///         soc_sd: 0.02,
+///         drift_sd_per_day: 0.001,
+///         pack_soc_sd_max: 0.05,
+///         voltage_min_v: 2.0,
+///         voltage_max_v: 4.5,
+///     },
+///     must!(Dt::from_s(1.0)),
+/// ));
+///
+/// let pack = Estimate {
+///     soc: 0.6,
+///     soc_sd: 0.01,
+///     polarisation_v: [0.0; 2],
+///     hysteresis: 0.0,
+///     offset_v: 0.0,
+///     temperature_c: 25.0,
+/// };
+/// let mut state = CELLS.start::<3>(pack);
+/// for _ in 0..300 {
+///     let cell_v = [3.66, 3.70, 3.68]; // 20 mV apart at rest
+///     CELLS.step(&mut state, CellsInput { pack, cell_v: &cell_v, current_a: 0.0 });
+/// }
+/// let spread = state.spread();
+/// assert_eq!((spread.min_index, spread.max_index), (0, 1));
+/// assert!((spread.max - spread.min - 0.04 / 1.2).abs() < 2e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells {
     curve: SocTable,
@@ -71,6 +113,8 @@ pub struct CellsState<const CELLS: usize> {
     /// differ where the curve bends, and of what is believed of the states of charge.
     bend_v: Real,
     mean_soc: Real,
+    /// What the held cells leave open of the others' mean, as a variance.
+    others_variance: Real,
     /// How many cells are held; where none is, what the cells say of it is old.
     held: usize,
     cells: [Cell; CELLS],
@@ -87,20 +131,6 @@ pub struct CellsInput<'a, const CELLS: usize> {
     pub current_a: Real,
 }
 
-/// The state of charge of one cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct CellSoc {
-    /// State of charge, 0..1.
-    pub soc: Real,
-    /// Its standard deviation.
-    pub soc_sd: Real,
-    /// Its voltage said nothing in the last step: no usable reading of it, of the current or of
-    /// the pack.
-    pub held: bool,
-}
-
 /// What one step of [`Cells`] says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -110,23 +140,6 @@ pub struct CellsOutput {
     pub held: usize,
     /// The pack's estimate was not finite or not in 0..1: the last one was kept.
     pub rejected: bool,
-}
-
-/// How far the cells' states of charge lie apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct SocSpread {
-    /// Lowest state of charge, 0..1.
-    pub min: Real,
-    /// Mean state of charge, 0..1.
-    pub mean: Real,
-    /// Highest state of charge, 0..1.
-    pub max: Real,
-    /// Which cell has the lowest.
-    pub min_index: usize,
-    /// Which cell has the highest.
-    pub max_index: usize,
 }
 
 const SECONDS_PER_DAY: Real = 86_400.0;
@@ -182,6 +195,7 @@ impl Cells {
             pack_soc_sd,
             bend_v: 0.0,
             mean_soc: 0.0,
+            others_variance: 0.0,
             held: CELLS,
             cells: [cell; CELLS],
         }
@@ -206,7 +220,7 @@ impl Cells {
             of_capacity: self.capacity_sd * (state.pack_soc - old_soc),
             mean_soc: state.mean_soc,
             base_v: 0.0,
-            resistance_v: -self.resistance_sd_ohm * input.current_a,
+            resistance_v: self.resistance_sd_ohm * input.current_a,
         };
         let (_, pack_v, _) = tangent(&self.curve, state.pack_soc);
         match self.mean_of_all(input.cell_v) {
@@ -219,47 +233,56 @@ impl Cells {
                 }
                 state.bend_v = sum_v / real(CELLS) - pack_v;
                 state.mean_soc = sum_soc / real(CELLS);
-                state.held = 0;
+                (state.others_variance, state.held) = (0.0, 0);
             }
-            _ => state.held = self.correct_some(&mut state.cells, &seen, input.cell_v, usable),
+            _ => self.correct_some(state, &seen, input.cell_v, usable),
         }
         CellsOutput { held: state.held, rejected }
     }
 
-    /// Corrects those cells whose voltage is plausible; how many it held.
+    /// Corrects those cells whose voltage is plausible, so that with the held ones their mean is
+    /// the pack's.
     #[cold]
     #[inline(never)]
-    fn correct_some(
+    fn correct_some<const CELLS: usize>(
         &self,
-        cells: &mut [Cell],
+        state: &mut CellsState<CELLS>,
         seen: &Seen,
-        cell_v: &[Real],
+        cell_v: &[Real; CELLS],
         usable: bool,
-    ) -> usize {
-        let (mut sum_v, mut count) = (0.0, 0.0);
-        for (cell, voltage_v) in cells.iter().zip(cell_v) {
-            if self.plausible(*voltage_v) {
-                let (_, expected_v, _) = tangent(&self.curve, seen.pack_soc + cell.soc);
-                sum_v += voltage_v - expected_v;
+    ) {
+        let (mut sum_v, mut expected_sum_v, mut count) = (0.0, 0.0, 0.0);
+        let (mut sum_soc, mut held_variance) = (0.0, 0.0);
+        for (cell, voltage_v) in state.cells.iter().zip(cell_v) {
+            sum_soc += cell.soc;
+            if usable && self.plausible(*voltage_v) {
+                expected_sum_v += tangent(&self.curve, seen.pack_soc + cell.soc).1;
+                sum_v += voltage_v;
                 count += 1.0;
+            } else {
+                held_variance += cell.soc_variance();
             }
         }
-        // Not read where there is no plausible voltage. The others no longer are the whole pack,
-        // so their mean stays where it is.
-        let seen = Seen { base_v: sum_v / count, mean_soc: 0.0, ..*seen };
-        let mut held = 0;
-        for (cell, voltage_v) in cells.iter_mut().zip(cell_v) {
+        let (mut seen, left_open) = (*seen, state.others_variance);
+        if count > 0.0 {
+            seen.base_v = (sum_v - expected_sum_v) / count;
+            seen.mean_soc = sum_soc / count;
+            state.bend_v = expected_sum_v / count - tangent(&self.curve, seen.pack_soc).1;
+            state.mean_soc = 0.0;
+            state.others_variance = held_variance / (count * count);
+        }
+        state.held = 0;
+        for (cell, voltage_v) in state.cells.iter_mut().zip(cell_v) {
             if usable && self.plausible(*voltage_v) {
                 self.correct(cell, &seen, *voltage_v);
                 cell.held = false;
             } else {
-                cell.variance += self.drift_variance;
+                cell.variance += self.drift_variance + if cell.held { 0.0 } else { left_open };
                 cell.of_capacity += seen.of_capacity;
                 cell.held = true;
-                held += 1;
+                state.held += 1;
             }
         }
-        held
     }
 
     #[inline]
@@ -317,49 +340,8 @@ impl Cells {
     }
 }
 
-impl<const CELLS: usize> CellsState<CELLS> {
-    /// What is believed of one cell; `None` where there is none of this number.
-    #[must_use]
-    pub fn cell(&self, index: usize) -> Option<CellSoc> {
-        let cell = self.cells.get(index)?;
-        let variance = self.pack_soc_sd * self.pack_soc_sd
-            + cell.variance
-            + cell.of_offset * cell.of_offset
-            + cell.of_resistance * cell.of_resistance
-            + cell.of_capacity * cell.of_capacity;
-        Some(CellSoc {
-            soc: clamp(self.pack_soc + cell.soc, 0.0, 1.0),
-            soc_sd: sqrt(min(variance, 1.0)),
-            held: self.held > 0 && cell.held,
-        })
-    }
-
-    /// Lowest, mean and highest state of charge; without cells, the pack's.
-    #[must_use]
-    pub fn spread(&self) -> SocSpread {
-        let first = self.cells.first().map_or(0.0, |cell| cell.soc);
-        let (mut low, mut high, mut sum) = ((0, first), (0, first), 0.0);
-        for (i, cell) in self.cells.iter().enumerate() {
-            sum += cell.soc;
-            if cell.soc < low.1 {
-                low = (i, cell.soc);
-            } else if cell.soc > high.1 {
-                high = (i, cell.soc);
-            }
-        }
-        let mean = if CELLS > 0 { sum / real(CELLS) } else { 0.0 };
-        let soc = |above: Real| clamp(self.pack_soc + above, 0.0, 1.0);
-        SocSpread {
-            min: soc(low.1),
-            mean: soc(mean),
-            max: soc(high.1),
-            min_index: low.0,
-            max_index: high.0,
-        }
-    }
-}
-
 /// What one step knows of all cells.
+#[derive(Clone, Copy)]
 struct Seen {
     pack_soc: Real,
     /// What one standard deviation of the capacity makes of the step.
@@ -370,6 +352,16 @@ struct Seen {
     base_v: Real,
     /// What one standard deviation of the resistance makes of the current.
     resistance_v: Real,
+}
+
+impl Cell {
+    /// Variance of its state of charge above the pack's.
+    fn soc_variance(&self) -> Real {
+        self.variance
+            + self.of_offset * self.of_offset
+            + self.of_resistance * self.of_resistance
+            + self.of_capacity * self.of_capacity
+    }
 }
 
 fn believable(pack: &Estimate) -> bool {

@@ -52,7 +52,7 @@ const fn lossless() -> Real {
 /// Counts charge, and knows how wrong the count may be.
 ///
 /// `SOC = SOC₀ − ∫ I dt / Q` with discharge current positive, charging current times its
-/// efficiency (Plett 2015, vol. 1, eq. 2.5). Two parts, so that the fast one stays small:
+/// efficiency (Plett 2015, vol. 1, ch. 2). Two parts, so that the fast one stays small:
 /// [`step`](Self::step) at every sample of the current, [`review`](Self::review) about once a
 /// second, which brings state of charge and uncertainty up to date and looks for a rest. What
 /// flows to and fro between two reviews cancels before efficiency and gain apply to it.

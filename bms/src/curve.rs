@@ -66,6 +66,12 @@ mod tests {
         };
         assert!(line(3.0, 4.0).is_ok() && line(3.0, 3.0).is_ok());
         assert!(table(&[(0.0, 3.0), (0.5, 3.3), (1.0, 3.3)]).is_ok());
+        let bent = as_table("ocv", OpenCircuit::Linear { empty_v: 3.0, full_v: 4.0 }).unwrap();
+        for soc in [-0.5, 0.0, 0.3, 0.505, 1.0, 1.5] {
+            let (interval, voltage_v, slope_v) = tangent(&bent, soc);
+            assert!((voltage_v - (3.0 + soc)).abs() < 1e-4 && (slope_v - 1.0).abs() < 1e-3);
+            assert_eq!(interval, ((soc * 64.0) as usize).min(63));
+        }
         assert_eq!(line(4.0, 3.0), Err(ParamError::Decreasing("ocv")));
         assert_eq!(table(&[(0.0, 3.0), (1.0, 2.9)]), Err(ParamError::Decreasing("ocv")));
         assert_eq!(line(Real::NAN, 3.0), Err(ParamError::NotFinite("ocv")));

@@ -279,6 +279,15 @@ mod tests {
         assert_eq!((spread.min, spread.max), (3.3, 3.7));
         assert_eq!((spread.min_index, spread.max_index, spread.usable), (3, 1, 4));
         assert!((spread.mean - 3.55).abs() < 1e-6);
+        let same = Spread::of(&[Reading::new(3.6); 3], 1.0).unwrap();
+        assert_eq!((same.min_index, same.max_index), (0, 0), "the first of several");
+        let now: Measurements<5, 2> = Measurements {
+            cell_v: readings,
+            temperature_c: [20.0, 30.0].map(Reading::new),
+            ..Measurements::NONE
+        };
+        assert_eq!(now.cell_spread(1.0), Some(spread));
+        assert_eq!(now.temperature_spread(1.0).unwrap().mean, 25.0);
         assert_eq!(Spread::of(&[Reading::NONE; 3], 1.0), None);
         assert_eq!(Measurements::<4, 2>::default().cell_spread(1.0), None);
         assert_eq!(Measurements::<4, 2>::default().temperature_spread(1.0), None);

@@ -1,4 +1,5 @@
 use plant_core::battery::OpenCircuit;
+use plant_core::num::sqrt;
 
 use super::*;
 

@@ -55,7 +55,7 @@ fn counts_what_flows() {
     assert!(!out.current_missing && !out.anchored && !out.voltage_implausible);
     assert_eq!(c.soc(&s), out.soc);
     for _ in 0..5 {
-        c.step(&mut s, CoulombInput { current_a: 100.0 });
+        Model::step(&c, &mut s, CoulombInput { current_a: 100.0 });
     }
     assert!((c.soc(&s) - (out.soc - 50.0 / 36_000.0)).abs() < 1e-6, "between reviews too");
 }
@@ -141,12 +141,14 @@ fn is_put_right_by_a_rest() {
         assert!(run(&c, &mut s, 0.05, 3.7, 599).soc_sd > 0.2);
         assert!(run(&c, &mut s, 0.05, 3.7, 1).soc_sd < 0.02);
     }
-    // So does a ripple whose mean is nothing.
-    let mut s = CoulombState::UNKNOWN;
-    for _ in 0..4000 {
-        c.step(&mut s, CoulombInput { current_a: -1.0 });
-        c.step(&mut s, CoulombInput { current_a: 1.0 });
-        assert!(!c.review(&mut s, 3.7).anchored);
+    // So do a ripple whose mean is nothing, and a pulse that is over.
+    for [first_a, last_a] in [[-1.0, 1.0], [1.0, 0.05]] {
+        let mut s = CoulombState::UNKNOWN;
+        for _ in 0..4000 {
+            c.step(&mut s, CoulombInput { current_a: first_a });
+            c.step(&mut s, CoulombInput { current_a: last_a });
+            assert!(!c.review(&mut s, 3.7).anchored);
+        }
     }
     // Without a voltage there is nothing to learn.
     for bad in [Real::NAN, Real::INFINITY, 2.9, 4.1] {

@@ -36,7 +36,7 @@ struct Wrong {
 /// Error of the count and its standard deviation after each of some phases of a current and its
 /// seconds, `wrong` as it is.
 fn drive(params: CoulombParams, wrong: Wrong, phases: &[(f64, u32)]) -> Vec<(f64, f64)> {
-    const START_SD: Real = 0.01;
+    const START_SD: Real = 0.002;
     let c = counter(params);
     let mut state = CoulombState::known(0.5, START_SD);
     let mut truth = 0.5 - wrong.start * f64::from(START_SD);

@@ -46,7 +46,7 @@ proptest! {
             for current_a in currents {
                 let before = counter.soc(&state);
                 counter.step(&mut state, CoulombInput { current_a });
-                if !(current_a.abs() <= params.largest_current_a) {
+                if current_a.is_nan() || current_a.abs() > params.largest_current_a {
                     missing = true;
                     prop_assert_eq!(counter.soc(&state), before);
                 }
@@ -108,7 +108,8 @@ proptest! {
                 held += usize::from(cell.held);
                 if rejected {
                     prop_assert_eq!(cell.soc, before.cell(i).unwrap().soc);
-                    prop_assert!(cell.soc_sd >= before.cell(i).unwrap().soc_sd);
+                    let before_sd = before.cell(i).unwrap().soc_sd;
+                    prop_assert!(cell.soc_sd >= before_sd * (1.0 - 1e-6), "{before_sd} {cell:?}");
                 }
             }
             prop_assert_eq!(out.held, held);
