@@ -29,7 +29,7 @@ pub const PARTS: &[Part] = &[
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
     part("docs", "the documentation builds without a warning", docs),
-    part("thumb", "plant-core builds for Cortex-M4F with each set of features", thumb),
+    part("thumb", "plant-core builds for Cortex-M4F and M0+ with each set of features", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
     Part {
         needs_data: true,
@@ -110,8 +110,8 @@ const fn part(name: &'static str, about: &'static str, run: fn() -> Result<()>) 
     Part { name, about, needs_data: false, run }
 }
 
-/// The microcontroller target: Cortex-M4F.
-const TARGET: &str = "thumbv7em-none-eabihf";
+/// The microcontrollers: Cortex-M4F, and Cortex-M0+ without floating point.
+const TARGETS: [&str; 2] = [firmware::TARGET, firmware::SMALL_TARGET];
 
 /// The twin of plant-core in double precision: its library has the same name.
 const TWIN: &str = "plant-core-f64";
@@ -120,7 +120,9 @@ fn setup() -> Result<()> {
     for component in ["rustfmt", "clippy"] {
         rustup("component", component)?;
     }
-    rustup("target", TARGET)?;
+    for target in TARGETS {
+        rustup("target", target)?;
+    }
     firmware::setup()
 }
 
@@ -182,8 +184,12 @@ fn docs() -> Result<()> {
 fn thumb() -> Result<()> {
     let package = "plant-core";
     for features in feature_sets(&Metadata::load()?.features(package)?) {
-        run(cargo().args(["build", "-p", package, "--target", TARGET, "--release"]).args(features))
+        for target in TARGETS {
+            run(cargo()
+                .args(["build", "-p", package, "--target", target, "--release"])
+                .args(&features))
             .context("does not build on target")?;
+        }
     }
     Ok(())
 }
@@ -243,10 +249,10 @@ mod tests {
     fn rustup_lists() {
         let installed = "cargo-x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n";
         assert!(lists(installed, "cargo"));
-        assert!(lists(installed, TARGET));
+        assert!(lists(installed, firmware::TARGET));
         assert!(!lists(installed, "clippy"));
         assert!(!lists(installed, "thumbv7em-none-eabi"));
-        assert!(!lists("", TARGET));
+        assert!(!lists("", firmware::TARGET));
     }
 
     #[test]
