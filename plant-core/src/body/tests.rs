@@ -166,3 +166,17 @@ fn a_step_keeps_newtons_law() {
     let mut s = BodyState::default();
     assert!(b.step(&mut s, BodyInput { force_n: 9e8, ..BodyInput::default() }).speed_m_s > 1e4);
 }
+
+#[test]
+fn a_speed_that_would_become_absurd_stays() {
+    let resistance = RoadResistance::CoastDown { a_n: 0.0, b_n_s_per_m: 0.0, c_n_s2_per_m2: 0.0 };
+    let b = body(BodyParams { mass_kg: 1.0, resistance }, 1.0);
+    let mut s = BodyState::default();
+    let push = BodyInput { force_n: 6e8, ..BodyInput::default() };
+    assert!(!b.step(&mut s, push).rejected);
+    let before = s;
+    let out = b.step(&mut s, push);
+    assert!(out.rejected && s == before && out.acceleration_m_s2 == 0.0 && out.drag_n == 0.0);
+    let light = body(BodyParams { mass_kg: 1e-3, resistance }, 1.0);
+    assert!(light.step(&mut BodyState::default(), push).rejected);
+}

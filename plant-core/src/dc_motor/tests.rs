@@ -207,3 +207,31 @@ fn a_state_that_would_become_absurd_stays() {
         assert!(out.rejected && s == DcMotorState::default(), "{out:?}");
     }
 }
+
+#[test]
+fn a_state_becomes_large_in_two_steps_but_not_absurd() {
+    // 6e8 A, or 6e8 rad/s, in each step.
+    let coil = DcMotorParams {
+        resistance_ohm: 1e-12,
+        inductance_h: 1e-9,
+        back_emf_v_s_per_rad: 1e-12,
+        ..MOTOR_PASEK
+    };
+    let top = DcMotorParams {
+        torque_nm_per_a: 1e-12,
+        back_emf_v_s_per_rad: 1e-12,
+        inertia_kg_m2: 1e-9,
+        viscous_nm_s_per_rad: 0.0,
+        coulomb_nm: 0.0,
+        ..MOTOR_PASEK
+    };
+    let inputs = [(DcMotorParams { inertia_kg_m2: 1e12, ..coil }, 600.0, 0.0), (top, 0.0, -600.0)];
+    for (params, voltage_v, load_nm) in inputs {
+        let (m, mut s) = (motor(params, 1e-3), DcMotorState::default());
+        let first = m.step(&mut s, DcMotorInput { voltage_v, load_nm });
+        let before = s;
+        let second = m.step(&mut s, DcMotorInput { voltage_v, load_nm });
+        assert!(!first.rejected && second.rejected && s == before, "{first:?} {second:?}");
+        assert!((first.current_a + first.speed_rad_s - 6e8).abs() < 1e6, "{first:?}");
+    }
+}

@@ -99,8 +99,30 @@ fn bad_input_holds_the_last_command() {
         };
         let before = driver.step(&mut s, good);
         for bad in [Real::NAN, Real::INFINITY, 1e38] {
-            let out = driver.step(&mut s, DriverInput { reference_m_s: bad, ..good });
-            assert!(out.rejected && (out.duty, out.brake_n) == (before.duty, before.brake_n));
+            let seen = good.vehicle;
+            let torque = matches!(vehicle.driver, DriverParams::Torque(_));
+            let vehicles = [
+                Feedback { speed_m_s: bad, ..seen },
+                Feedback { motor_a: bad, ..seen },
+                Feedback { battery_v: bad, ..seen },
+                Feedback { soc: bad, ..seen },
+            ];
+            // The other driver looks at nothing but the speed.
+            let mut inputs = std::vec![DriverInput { reference_m_s: bad, ..good }];
+            inputs.extend(
+                vehicles
+                    .iter()
+                    .take(if torque { 4 } else { 1 })
+                    .map(|v| DriverInput { vehicle: *v, ..good }),
+            );
+            if torque {
+                inputs.push(DriverInput { reference_m_s2: bad, ..good });
+            }
+            for input in inputs {
+                let out = driver.step(&mut s, input);
+                assert!(out.rejected, "{input:?}");
+                assert_eq!((out.duty, out.brake_n), (before.duty, before.brake_n));
+            }
         }
     }
 }

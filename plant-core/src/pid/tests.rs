@@ -106,8 +106,15 @@ fn preload_is_bumpless_and_reset_forgets() {
     assert!((out.output - 0.7).abs() < 1e-5, "{}", out.output);
     s.reset();
     assert_eq!(s, PidState::default());
-    p.preload(&mut s, Real::NAN, error(0.1));
-    assert_eq!(s, PidState::default());
+    for (output, reference, measurement) in [
+        (Real::NAN, 0.1, 0.0),
+        (0.7, Real::INFINITY, 0.0),
+        (0.7, 0.9e9, 0.9e9), // their difference would do
+        (0.9e9, 0.0, 0.9e9),
+    ] {
+        p.preload(&mut s, output, PidInput { reference, measurement });
+        assert_eq!(s, PidState::default(), "{output} {reference} {measurement}");
+    }
 }
 
 #[test]
