@@ -366,6 +366,21 @@ fn a_refused_step_changes_nothing_and_says_so() {
     }
 }
 
+/// At standstill without current nothing else shows that an input was absurd.
+#[test]
+fn what_standstill_would_swallow_is_refused() {
+    let plant = plant(PLAIN);
+    let before = plant.at_rest(0.5).unwrap();
+    for (auxiliary_w, headwind_m_s, brake_n) in
+        [(0.0, 0.0, 1.5e9), (0.0, 0.7e9, 0.7e9), (100.0, 0.0, 1.5e9), (0.0, 0.0, 1e30)]
+    {
+        let road = Road { headwind_m_s, brake_n, ..Road::default() };
+        let mut now = before;
+        let out = plant.step(&mut now, PowertrainInput { duty: 0.0, road, auxiliary_w });
+        assert!(out.rejected && now == before, "{auxiliary_w} {road:?}");
+    }
+}
+
 #[test]
 fn says_what_it_is_and_where_it_starts() {
     let (plant, s) = (plant(FULL), sizes(&FULL));
