@@ -392,5 +392,8 @@ fn says_what_it_is_and_where_it_starts() {
     assert_eq!((seen.speed_m_s, seen.motor_a, seen.soc), (3.0, 0.0, 0.25));
     assert_eq!((seen.battery_v, seen.duty, seen.limited), (330.0, 0.0, false));
     assert_eq!(plant.at_rest(0.25).unwrap(), plant.at_speed(0.25, 0.0).unwrap());
+    let mut polarised = state.battery;
+    polarised.rc.voltage_v = Accum::new(3.0);
+    assert_eq!(plant.battery().capacitive_j(&polarised), 9.0);
     assert!(plant.at_rest(1.1).is_err() && plant.at_speed(0.5, Real::NAN).is_err());
 }
