@@ -130,6 +130,11 @@ mod tests {
         let out = at(BOTH, 249.0, 300.0);
         assert!((out.current_a - 2.49).abs() < 1e-4 && out.cut_out);
         assert_eq!(at(AuxiliaryParams::NONE, 400.0, 0.0).current_a, 0.0);
+        // Cut out is what would be drawn otherwise.
+        assert!(at(BOTH, 249.0, 500.0).cut_out && !at(AuxiliaryParams::NONE, 249.0, 0.0).cut_out);
+        assert!(
+            at(AuxiliaryParams { cut_out_v: 250.0, ..AuxiliaryParams::NONE }, 249.0, 1.0).cut_out
+        );
     }
 
     #[test]

@@ -272,6 +272,15 @@ mod tests {
     }
 
     #[test]
+    fn what_is_stored_counts_from_the_start() {
+        let stored = |kinetic, inductive, capacitive| Stored { kinetic, inductive, capacitive };
+        let ledger = EnergyLedger::starting_with(stored(5.0, 3.0, 2.0));
+        let report = ledger.report(&Flows::ONES, 1.0, stored(7.0, 10.0, 13.0), 0.0);
+        assert_eq!((report.kinetic, report.inductive, report.capacitive), (2.0, 7.0, 11.0));
+        assert_eq!(report.residual, -20.0);
+    }
+
+    #[test]
     #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn small_powers_are_not_lost_in_large_sums() {
         let mut ledger = EnergyLedger::default();

@@ -226,3 +226,53 @@ pub const fn efficiency(field: &'static str, value: Real) -> Result<Real, ParamE
 pub const fn above(field: &'static str, value: Real, low: Real) -> Result<Real, ParamError> {
     if value > low { Ok(value) } else { Err(ParamError::NotAbove(field)) }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn the_compile_error_says_what_display_says() {
+        for error in [
+            ParamError::NotPositive("battery.capacity_ah"),
+            ParamError::Negative("x"),
+            ParamError::NotIncreasing("a.table"),
+        ] {
+            let text = std::format!("{} {}", error.field(), error.message());
+            assert_eq!(error.text().as_str(), text);
+            assert_eq!(std::format!("{error}"), text);
+        }
+        assert_eq!(ParamError::NotARatio("soc").text().as_str(), "soc must lie in 0..1");
+        // What is too long is cut.
+        let long = ParamError::NotARatio(
+            "a_field_whose_name_goes_on_and_on_and_on_until_the_text_has_no_room_for_it_any_more_\
+             a_field_whose_name_goes_on_and_on_and_on_until_the_text_has_no_room_for_it_any_more",
+        );
+        assert_eq!(long.text().as_str(), &long.field()[..ErrorText::LENGTH]);
+    }
+
+    #[test]
+    fn each_rule_takes_its_ends_and_nothing_beyond() {
+        type Rule = fn(&'static str, Real) -> Result<Real, ParamError>;
+        let (low, high) = (SMALLEST_PARAM, LARGEST_PARAM);
+        let cases: [(Rule, &[Real], &[Real]); 6] = [
+            (positive, &[low, 1.0, high], &[0.0, 0.9 * low, 1.1 * high, -1.0]),
+            (not_negative, &[0.0, 1.0, high], &[-low, 1.1 * high]),
+            (finite, &[-high, 0.0, high], &[-1.1 * high, 1.1 * high]),
+            (limit, &[low, 1.0, Real::INFINITY], &[0.0, 0.9 * low, -1.0]),
+            (ratio, &[0.0, 0.3, 1.0], &[-low, 1.001]),
+            (efficiency, &[low, 0.3, 1.0], &[0.0, -0.5, 1.001]),
+        ];
+        for (i, (rule, taken, refused)) in cases.into_iter().enumerate() {
+            for x in taken {
+                assert_eq!(rule("x", *x), Ok(*x), "{i}");
+            }
+            for x in refused.iter().chain(&[Real::NAN, -Real::INFINITY]) {
+                assert_eq!(rule("x", *x).unwrap_err().field(), "x", "{i}: {x}");
+            }
+        }
+        assert_eq!(above("x", 2.0, 1.0), Ok(2.0));
+        assert!(above("x", 1.0, 1.0).is_err() && above("x", 0.0, 1.0).is_err());
+    }
+}

@@ -171,6 +171,7 @@ mod tests {
         for (motor_nm, wheel_rad_s) in [(Real::NAN, 1.0), (1.0, 1e38)] {
             let out = g.step(&mut s, GearboxInput { motor_nm, wheel_rad_s });
             assert!(out.rejected && out.wheel_nm == 0.0 && s == 20.0);
+            assert_eq!((out.motor_rad_s, out.loss_w), (9.665 * 20.0, 0.0));
         }
     }
 

@@ -154,8 +154,16 @@ mod tests {
     #[test]
     fn bad_input_changes_nothing() {
         let (w, mut s) = (wheel(PARAMS), 20.0);
-        for (axle_nm, speed_m_s) in [(Real::NAN, 1.0), (1.0, Real::INFINITY)] {
-            assert!(w.step(&mut s, WheelInput { axle_nm, speed_m_s }).rejected && s == 20.0);
+        for (axle_nm, speed_m_s) in
+            [(Real::NAN, 1.0), (1.0, Real::INFINITY), (1e10, 1.0), (1.0, 1e10)]
+        {
+            let out = w.step(&mut s, WheelInput { axle_nm, speed_m_s });
+            assert!(out.rejected && s == 20.0);
+            // It rolls on: only the bearings are felt.
+            let viscous_n = 0.05 * 20.0 / (0.35 * 0.35);
+            assert!((out.force_n + viscous_n).abs() < 1e-3, "{out:?}");
+            assert!((out.loss_w - viscous_n * 20.0).abs() < 1e-2, "{out:?}");
+            assert!((out.axle_rad_s - 20.0 / 0.35).abs() < 1e-4);
         }
     }
 

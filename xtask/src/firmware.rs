@@ -11,6 +11,8 @@ use crate::shell::{cargo, output, program, run};
 
 /// The microcontroller target: Cortex-M4F.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
+/// A microcontroller without floating point: Cortex-M0+.
+pub const SMALL_TARGET: &str = "thumbv6m-none-eabi";
 const FOLDER: &str = "firmware-example";
 /// Starts an image in QEMU and decodes what it logs.
 const QEMU_RUN: &str = "qemu-run@0.3.1";
@@ -49,10 +51,21 @@ pub fn build(args: &[&str], variables: &[(&str, &str)]) -> Result<()> {
 
 /// A binary built for the target.
 pub fn binary(name: &str) -> Result<PathBuf> {
+    binary_for(TARGET, name)
+}
+
+/// A binary built for one of the targets.
+pub fn binary_for(target: &str, name: &str) -> Result<PathBuf> {
     let args = ["metadata", "--no-deps", "--format-version", "1"];
     let metadata: Value = serde_json::from_str(&output(firmware_cargo().args(args))?)?;
     let folder = metadata["target_directory"].as_str().context("cargo names no target folder")?;
-    Ok([folder, TARGET, "release", name].iter().collect())
+    Ok([folder, target, "release", name].iter().collect())
+}
+
+/// The version of a package that the firmware's workspace uses.
+pub fn version(package: &str) -> Result<String> {
+    let id = output(firmware_cargo().args(["pkgid", "--locked", package]))?;
+    Ok(String::from(id.trim().rsplit('@').next().unwrap_or_default()))
 }
 
 /// The triple of this machine, as rustc says it.
@@ -103,7 +116,7 @@ pub fn bits() -> Result<()> {
 }
 
 /// What the host says of a vehicle.
-fn host_trace(vehicle: &str, block: Option<&str>) -> Result<String> {
+pub fn host_trace(vehicle: &str, block: Option<&str>) -> Result<String> {
     let package = ["-p", "voltstep-trace", "--example", "trace", "--target", &host()?];
     output(
         firmware_cargo()

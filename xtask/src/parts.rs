@@ -110,8 +110,8 @@ const fn part(name: &'static str, about: &'static str, run: fn() -> Result<()>) 
     Part { name, about, needs_data: false, run }
 }
 
-/// The microcontroller targets: Cortex-M4F, and Cortex-M0+ with its floating point in software.
-const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "thumbv6m-none-eabi"];
+/// The microcontrollers: Cortex-M4F, and Cortex-M0+ without floating point.
+const TARGETS: [&str; 2] = [firmware::TARGET, firmware::SMALL_TARGET];
 
 /// The packages that run on them.
 const ON_TARGET: [&str; 2] = ["plant-core", "voltstep-bms"];
@@ -253,10 +253,10 @@ mod tests {
     fn rustup_lists() {
         let installed = "cargo-x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n";
         assert!(lists(installed, "cargo"));
-        assert!(lists(installed, TARGETS[0]));
+        assert!(lists(installed, firmware::TARGET));
         assert!(!lists(installed, "clippy"));
         assert!(!lists(installed, "thumbv7em-none-eabi"));
-        assert!(!lists("", TARGETS[0]));
+        assert!(!lists("", firmware::TARGET));
     }
 
     #[test]

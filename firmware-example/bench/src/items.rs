@@ -38,6 +38,7 @@ use voltstep_trace::{
 /// A driver and its plant in a closed loop, what the driver sees kept in the state.
 macro_rules! rig {
     ($name:ident, $rig:expr, $ledger:ty) => {
+        #[doc = concat!("`", stringify!($rig), "`.")]
         #[unsafe(no_mangle)]
         #[inline(never)]
         pub extern "C" fn $name(
@@ -54,6 +55,7 @@ macro_rules! rig {
 /// A model on its own, its whole output stored.
 macro_rules! model {
     ($name:ident, $model:ty, $value:expr, $state:ty, $input:ty, $output:ty) => {
+        #[doc = concat!("`", stringify!($model), "`.")]
         #[unsafe(no_mangle)]
         #[inline(never)]
         pub extern "C" fn $name(state: &mut $state, input: &$input, output: &mut $output) {

@@ -4,12 +4,9 @@
 //! plugin counts the instructions between call and return; this program says how much stack each
 //! used and how large its state is.
 
-mod items;
-mod stack;
 mod worst;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
 use panic_halt as _;
 use plant_core::auxiliary::AuxiliaryInput;
 use plant_core::battery::{BatteryInput, BatteryState, RcBranchInput, RcBranchState};
@@ -18,6 +15,7 @@ use plant_core::converter::ConverterInput;
 use plant_core::dc_motor::{DcMotorInput, DcMotorState};
 use plant_core::driver::{DriverInput, DriverState};
 use plant_core::gearbox::GearboxInput;
+use plant_core::num::fast::{EXP_RANGE, SQRT_RANGE};
 use plant_core::pid::{PidInput, PidState};
 use plant_core::powertrain::PowertrainInput;
 use plant_core::rotational::{AxisInput, AxisState, RotationalLoadInput, RotationalLoadState};
@@ -31,7 +29,8 @@ use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
 };
 
-use crate::stack::{call, call_uncounted, painted};
+use voltstep_bench::pids::{Apart, Pids, say_hard_cases};
+use voltstep_bench::{call, call_uncounted, end, fast, hprintln, items, painted, pids, report};
 
 /// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
 const WHEEL_RAD_PER_M: f32 = 2.94;
@@ -39,21 +38,7 @@ const RATIO: f32 = 9.665;
 
 #[entry]
 fn main() -> ! {
-    if run().is_none() {
-        hprintln!("failed");
-        debug::exit(debug::EXIT_FAILURE);
-    }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
-
-/// Declares the stack of each item, calls them in the loop's body, then reports.
-macro_rules! report {
-    ($($item:ident: $state:expr,)+) => {
-        $(hprintln!("item {} {} {}", stringify!($item), core::mem::size_of_val(&$state), $item.used());)+
-    };
+    end(run())
 }
 
 #[allow(clippy::too_many_lines, reason = "a list")]
@@ -83,6 +68,15 @@ fn run() -> Option<()> {
         speed_sensor,
         time_table,
         sine,
+        pi,
+        pi_ram,
+        pi_pid,
+        pi_idsp,
+        pi_idsp_ram,
+        num_sqrt,
+        fast_sqrt,
+        num_exp,
+        fast_exp,
         deep
     );
     let mut clock = TimeTableState::default();
@@ -104,6 +98,17 @@ fn run() -> Option<()> {
     let mut speed_sensor_state = AxialSpeedSensorState::default();
     let mut table_state = TimeTableState::default();
     let mut sine_state = PhaseState::default();
+    let mut controllers = Pids::new()?;
+    macro_rules! pis {
+        ($input:expr) => {
+            call!(pi, pids::bench_pi, &mut controllers.ours, $input);
+            call!(pi_ram, pids::bench_pi_ram, &mut controllers.ours_ram, $input);
+            call!(pi_pid, pids::bench_pi_pid, &mut controllers.pid, $input);
+            call!(pi_idsp, pids::bench_pi_idsp, &mut controllers.idsp, $input);
+            call!(pi_idsp_ram, pids::bench_pi_idsp_ram, &mut controllers.idsp_ram, $input);
+        };
+    }
+    let (mut uncounted, mut apart) = (Pids::new()?, Apart::default());
 
     for _ in 0..BLOCKS * STEPS_PER_BLOCK {
         let reference = REFERENCE.step(&mut clock, ());
@@ -154,6 +159,8 @@ fn run() -> Option<()> {
         call!(slope, items::bench_slope, &mut slope_state, &input);
         let input = PidInput { reference: reference.value, measurement: v };
         call!(pid, items::bench_pid, &mut pid_state, &input);
+        pis!(&input);
+        apart.look(uncounted.step(input));
         let input = VoltageSensorInput { voltage_v: seen.battery_v };
         call!(voltage_sensor, items::bench_voltage_sensor, &mut (), &input);
         let input = CurrentSensorInput { current_a };
@@ -163,6 +170,21 @@ fn run() -> Option<()> {
         call!(time_table, items::bench_time_table, &mut table_state, &());
         call!(sine, items::bench_sine, &mut sine_state, &());
     }
+
+    for n in 0..pids::SATURATED {
+        pis!(&pids::saturating(n));
+    }
+    for n in 0..=fast::COUNTED {
+        let x = fast::along(SQRT_RANGE, n, fast::COUNTED);
+        call!(num_sqrt, fast::bench_num_sqrt, &mut (), &x);
+        call!(fast_sqrt, fast::bench_fast_sqrt, &mut (), &x);
+        let x = fast::along(EXP_RANGE, n, fast::COUNTED);
+        call!(num_exp, fast::bench_num_exp, &mut (), &x);
+        call!(fast_exp, fast::bench_fast_exp, &mut (), &x);
+    }
+    fast::say_errors();
+    apart.say();
+    say_hard_cases()?;
 
     worst::plant_pid_off(&mut plant_pid_off)?.say("plant_pid_off");
     worst::plant_pid_on(&mut plant_pid_on)?.say("plant_pid_on");
@@ -178,6 +200,9 @@ fn run() -> Option<()> {
         rotational_load: load_state, axis: axis_state, slope: slope_state, pid: pid_state,
         torque_driver: driver_state, voltage_sensor: (), current_sensor: (),
         speed_sensor: speed_sensor_state, time_table: table_state, sine: sine_state,
+        pi: controllers.ours, pi_ram: controllers.ours_ram, pi_pid: controllers.pid,
+        pi_idsp: controllers.idsp, pi_idsp_ram: controllers.idsp_ram,
+        num_sqrt: (), fast_sqrt: (), num_exp: (), fast_exp: (),
     );
     hprintln!("soc {} {}", pid_off.seen.soc, torque_off.seen.soc);
     Some(())

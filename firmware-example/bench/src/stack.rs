@@ -17,6 +17,7 @@ impl Stack {
     }
 
     /// Bytes that a call used.
+    #[must_use]
     pub fn used(&self) -> usize {
         let untouched = self.0.iter().take_while(|word| **word == PAINT).count();
         (WORDS - untouched) * size_of::<u32>()
@@ -24,6 +25,7 @@ impl Stack {
 }
 
 /// Declares painted stacks.
+#[macro_export]
 macro_rules! painted {
     ($($name:ident),+ $(,)?) => { $(let mut $name = $crate::stack::Stack::PAINTED;)+ };
 }
@@ -31,6 +33,7 @@ macro_rules! painted {
 /// Calls an item on its stack. What it says goes nowhere.
 ///
 /// The `bl` is written out, so that the plugin finds it and nothing of this loop is counted.
+#[macro_export]
 macro_rules! call {
     ($stack:ident, $item:path, $state:expr, $input:expr) => {
         $crate::stack::with_types($item, $state, $input, |state, input, output| {
@@ -52,8 +55,14 @@ macro_rules! call {
                     // Cortex-M4F does not have.
                     lateout("r0") _, lateout("r1") _, lateout("r2") _, lateout("r3") _,
                     lateout("r12") _, lateout("lr") _,
-                    lateout("d0") _, lateout("d1") _, lateout("d2") _, lateout("d3") _,
-                    lateout("d4") _, lateout("d5") _, lateout("d6") _, lateout("d7") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d0") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d1") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d2") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d3") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d4") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d5") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d6") _,
+                    #[cfg(target_abi = "eabihf")] lateout("d7") _,
                 );
             }
         })
@@ -61,6 +70,7 @@ macro_rules! call {
 }
 
 /// The same for a call that is not to be counted: the plugin looks for `bl`.
+#[macro_export]
 macro_rules! call_uncounted {
     ($stack:expr, $item:expr, $state:expr, $input:expr) => {
         $crate::stack::with_types($item, $state, $input, |state, input, output| {
@@ -99,4 +109,12 @@ pub fn with_types<S, I, O>(
     call(state, input, output.as_mut_ptr());
 }
 
-pub(crate) use {call, call_uncounted, painted};
+/// Says of each item, in a line, how large its state is and how much stack it used.
+#[macro_export]
+macro_rules! report {
+    ($($item:ident: $state:expr,)+) => {
+        $($crate::hprintln!(
+            "item {} {} {}", stringify!($item), core::mem::size_of_val(&$state), $item.used()
+        );)+
+    };
+}

@@ -4,17 +4,17 @@
 //!
 //! Steps in which a limit acts are counted, as items of their own; the others are not.
 
-use cortex_m_semihosting::hprintln;
 use plant_core::driver::DriverInput;
 use plant_core::energy::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{Limited, PowertrainInput};
 use plant_core::sources::TimeTableOutput;
 use voltstep_trace::{BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Rig, RigState};
 
-use crate::items::{
+use voltstep_bench::items::{
     bench_plant_pid_off, bench_plant_pid_on, bench_plant_torque_off, bench_plant_torque_on,
 };
-use crate::stack::{Stack, call, call_uncounted};
+use voltstep_bench::stack::Stack;
+use voltstep_bench::{call, call_uncounted, hprintln};
 
 /// An item that drives a [`Rig`].
 type Item<L> = extern "C" fn(&mut RigState<L>, &TimeTableOutput, &mut ());

@@ -139,6 +139,8 @@ mod tests {
             line.checked(),
             Err(ParamError::Decreasing("battery.open_circuit.linear.full_v"))
         );
+        let flat = OpenCircuit::Linear { empty_v: 300.0, full_v: 300.0 };
+        assert_eq!(flat.checked(), Ok(flat));
         let table = SocTable::from_points("t", &[(0.0, 2.0), (1.0, 1.0)]).unwrap();
         assert_eq!(
             OpenCircuit::Table(table).checked(),

@@ -193,6 +193,31 @@ mod tests {
     }
 
     #[test]
+    fn any_value_and_any_mean_are_those_of_the_polyline() {
+        let points = [(-0.5, 1.0), (0.125, 4.0), (0.25, 2.0), (0.5, 2.5), (0.75, 7.0), (1.5, 1.0)];
+        let t = SocTable::from_points("t", &points).unwrap();
+        let exact = |soc: Real| {
+            let soc = soc.clamp(0.0, 1.0);
+            let k = (0..4).rfind(|k| points[*k + 1].0 < soc).map_or(0, |k| k + 1);
+            let ((x0, y0), (x1, y1)) = (points[k], points[k + 1]);
+            y0 + (soc - x0) / (x1 - x0) * (y1 - y0)
+        };
+        for n in 0..=1000_u16 {
+            let soc = -0.1 + 1.2 * Real::from(n) / 1000.0;
+            assert!((t.at(soc) - exact(soc)).abs() < 1e-5, "{soc}: {} {}", t.at(soc), exact(soc));
+        }
+        for n in 0..100_u16 {
+            let (from, to) = (Real::from(n) / 100.0, Real::from(n * 37 % 101) / 101.0);
+            let middles =
+                (0..1000_u16).map(|k| from + (to - from) * (Real::from(k) + 0.5) / 1000.0);
+            let mean = middles.map(|soc| f64::from(exact(soc))).sum::<f64>() / 1000.0;
+            assert!((f64::from(t.mean(from, to)) - mean).abs() < 1e-4, "{from} {to}");
+        }
+        assert_eq!(SocTable::new("t", *t.values()), Ok(t));
+        assert!(!t.is_monotone());
+    }
+
+    #[test]
     fn refuses_bad_points() {
         let bad = |p: &[(Real, Real)]| SocTable::from_points("t", p).unwrap_err();
         assert_eq!(bad(&[(0.0, 1.0)]), ParamError::NotIncreasing("t"));

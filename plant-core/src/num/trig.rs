@@ -47,8 +47,10 @@ mod tests {
             let turns = i as Real / 777.0;
             let angle = f64::from(turns) * std::f64::consts::TAU;
             let (s, c) = sin_cos_turns(turns);
-            assert!((f64::from(s) - angle.sin()).abs() < 1e-6, "sin {turns}");
-            assert!((f64::from(c) - angle.cos()).abs() < 1e-6, "cos {turns}");
+            // A negative angle is rounded when it is wrapped.
+            let within = if turns < 0.0 { 5e-7 } else { 2e-7 };
+            assert!((f64::from(s) - angle.sin()).abs() < within, "sin {turns}");
+            assert!((f64::from(c) - angle.cos()).abs() < within, "cos {turns}");
         }
     }
 

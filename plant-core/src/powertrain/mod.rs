@@ -483,3 +483,6 @@ impl<L: Book, B: Pack> Model for Powertrain<L, B> {
         Self::step(self, state, input)
     }
 }
+
+#[cfg(test)]
+mod tests;

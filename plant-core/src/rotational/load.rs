@@ -371,4 +371,36 @@ mod tests {
             );
         }
     }
+
+    /// Steps beside a machine and another shaft, against Newton's law at their end.
+    #[test]
+    fn a_shared_shaft_keeps_newtons_law() {
+        let params =
+            RotationalLoadParams { inertia_kg_m2: 2.0, viscous_nm_s_per_rad: 0.5, coulomb_nm: 3.0 };
+        let l = RotationalLoad::new(params, Dt::from_s(0.1).unwrap()).unwrap();
+        let shaft = Coast { inertia_per_h: 10.0, viscous: 0.2, coulomb: 2.0 };
+        for before in [40.0, 4.0, -4.0, -40.0] {
+            for effort in [-70.0, -4.0, 4.0, 70.0] {
+                let law = DriveLaw { effort, slope: 1.5 };
+                let mut s = RotationalLoadState { speed_rad_s: Accum::new(before) };
+                let (rise, slip) = l.solve(&s, law, shaft);
+                let out = l.settle(&mut s, rise, slip);
+                let now = out.speed_rad_s;
+                let machine_nm = effort - 1.5 * rise;
+                let other_nm = 10.0 * rise + 0.2 * now + 2.0 * slip.sign();
+                assert!((now - before - rise).abs() < 1e-4 && now * slip.sign() > 0.0);
+                assert!((machine_nm - other_nm - out.shaft_nm).abs() < 1e-3, "{out:?}");
+                let friction_nm = 0.5 * now + 3.0 * slip.sign();
+                assert!((out.shaft_nm - 20.0 * rise - friction_nm).abs() < 1e-3, "{out:?}");
+                assert!((out.friction_w - friction_nm * now).abs() < 1e-2, "{out:?}");
+                assert!((out.shaft_w - out.shaft_nm * now).abs() < 1e-2, "{out:?}");
+            }
+        }
+        let mut still = RotationalLoadState::default();
+        for (effort, slope) in [(Real::NAN, 0.0), (2e9, 0.0), (1.0, -1.0), (1.0, Real::INFINITY)] {
+            let (rise, slip) = l.solve(&still, DriveLaw { effort, slope }, shaft);
+            let out = l.settle(&mut still, rise, slip);
+            assert!(out.rejected && still == RotationalLoadState::default(), "{effort} {slope}");
+        }
+    }
 }

@@ -1,20 +1,25 @@
 //! What a step costs on a Cortex-M4F: instructions, counted in QEMU over UDDS at 1 kHz; flash,
-//! state and stack in bytes. No figure is written by hand.
+//! state and stack in bytes. Beside it: the same plant in C, published PID controllers, a
+//! Cortex-M0+, approximate functions. No figure is written by hand.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
 use crate::compare;
 use crate::firmware;
-use crate::shell::{output, program, run};
 
+mod fast;
+mod measure;
+mod pids;
+mod small;
 mod table;
 
+pub use measure::{Counted, parse_counts, section_bytes};
+use measure::{M0, M4F, parse_item, plugin};
 use table::{publish, table, times};
 
 /// What is counted, and its row in the table.
@@ -52,15 +57,6 @@ const PLANTS: usize = 7;
 /// What the same plant in C is compared with.
 const COMPARED: &str = "plant_pid_off";
 
-/// An empty function: `push`, `mov`, `pop`. The target keeps frame pointers.
-const NOTHING: (&str, u64) = ("nothing", 3);
-
-/// The names of the counted functions begin with this.
-const PREFIX: &str = "bench_";
-
-/// So do those of steps in which a limit acts.
-const LIMITED: &str = "limited_";
-
 /// How much worse than the baseline a figure may be.
 const ALLOWED: f64 = 1.02;
 
@@ -75,9 +71,6 @@ const PATHS: &[&str] = &["discharge", "charge", "refused", "standstill"];
 const STARVING: (&str, &str) = ("plant_torque", "starved");
 /// A function that uses this much stack on purpose: the report has to show it.
 const DEEP: (&str, u64) = ("deep", 256);
-
-/// Instructions per call: least, mean, most.
-pub type Counted = (u64, f64, u64);
 
 /// What one item costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,17 +103,46 @@ impl Cost {
     }
 }
 
-/// Counts, writes the table, compares with the baseline.
+/// What a machine's items cost, and what its program said.
+struct Measured {
+    costs: BTreeMap<String, Cost>,
+    said: String,
+}
+
+impl Measured {
+    fn cost(&self, name: &str) -> Result<Cost> {
+        self.costs.get(name).copied().with_context(|| missing(name))
+    }
+}
+
+/// Counts, writes the tables, compares with the baseline.
 pub fn counts() -> Result<()> {
-    let costs = measure()?;
+    let measured = M4F.measure()?;
+    check_paths(&measured.said)?;
     let rows: Vec<(&str, Cost)> = ITEMS
         .iter()
-        .map(|(name, about)| Ok((*about, *costs.get(*name).with_context(|| missing(name))?)))
+        .map(|(name, about)| Ok((*about, measured.cost(name)?)))
         .collect::<Result<_>>()?;
-    let ours = costs.get(COMPARED).with_context(|| missing(COMPARED))?;
+    let ours = measured.cost(COMPARED)?;
     let plugin = plugin(&firmware::binary("voltstep-bench")?)?;
     let compared = compare::table((ours.mean, ours.flash, ours.state), &plugin)?;
-    publish(&(table(&rows) + &times(&rows[..PLANTS])? + &compared))?;
+    let on_m0 = M0.measure()?;
+    small::same_bits(&on_m0.said)?;
+    publish(
+        &[
+            table(&rows),
+            times(&rows[..PLANTS])?,
+            compared,
+            pids::table(&measured)?,
+            small::table(&on_m0, &measured)?,
+            fast::table(&measured, &on_m0)?,
+        ]
+        .concat(),
+    )?;
+    let mut costs = measured.costs;
+    costs.extend(
+        on_m0.costs.into_iter().map(|(name, cost)| (format!("{}{name}", small::PREFIX), cost)),
+    );
     let path = firmware::root().join(BASELINE);
     if std::env::var_os(ACCEPT).is_some() {
         let all: serde_json::Map<_, _> =
@@ -138,52 +160,11 @@ fn missing(name: &str) -> String {
     format!("`{name}` was not measured")
 }
 
-/// Runs the bench image under the plugin and sizes one image per item.
-fn measure() -> Result<BTreeMap<String, Cost>> {
-    firmware::build(&["-p", "voltstep-bench", "--bin", "voltstep-bench"], &[])?;
-    let elf = firmware::binary("voltstep-bench")?;
-    let nm = output(program("arm-none-eabi-nm").arg(&elf))?;
-    let functions = functions(&nm);
-    let log = elf.with_extension("counts");
-    let plugin = plugin(&elf)?;
-    let mut items = String::new();
-    for (name, address) in &functions {
-        let _ = write!(items, ",item={name}@{address}");
-    }
-    let said = output(
-        program("qemu-system-arm")
-            .args(["-cpu", "cortex-m4", "-machine", "mps2-an386", "-nographic"])
-            .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
-            .arg(&elf)
-            .args(["-d", "plugin", "-D"])
-            .arg(&log)
-            .arg("-plugin")
-            .arg(format!("{}{items}", plugin.display())),
-    )?;
-    let counted = fs::read_to_string(&log).context("the plugin wrote no log")?;
-    check_paths(&said)?;
-    let empty = flash("none")?;
-    let mut costs: BTreeMap<String, Cost> = BTreeMap::new();
-    let mut limited = Vec::new();
-    for (name, (min, mean, max)) in parse_counts(&counted)? {
-        if name == NOTHING.0 {
-            ensure!((min, max) == (NOTHING.1, NOTHING.1), "an empty function counts {min}..{max}");
-            continue;
-        }
-        if let Some(plant) = name.strip_prefix(LIMITED) {
-            // Another name of a plant: the branch to it is no part of it.
-            limited.push((name.clone(), format!("plant_{plant}"), (min - 1, mean - 1.0, max - 1)));
-            continue;
-        }
-        let (state, stack) = parse_item(&said, &name).with_context(|| missing(&name))?;
-        let flash = flash(&format!("{PREFIX}{name}"))? - empty;
-        costs.insert(name, Cost { min, mean, max, flash, state, stack });
-    }
-    for (name, plant, (min, mean, max)) in limited {
-        let same = *costs.get(&plant).with_context(|| missing(&plant))?;
-        costs.insert(name, Cost { min, mean, max, ..same });
-    }
-    Ok(costs)
+/// The rest of the line that begins with these words, in what a program said.
+fn line<'a>(said: &'a str, words: &str) -> Result<&'a str> {
+    said.lines()
+        .find_map(|line| line.strip_prefix(words)?.strip_prefix(' '))
+        .with_context(|| format!("the image says nothing of `{words}`"))
 }
 
 /// Each plant went through everything that UDDS does not come to, and stack that is used is seen.
@@ -201,75 +182,6 @@ fn check_paths(said: &str) -> Result<()> {
     let (_, deep) = parse_item(said, DEEP.0).with_context(|| missing(DEEP.0))?;
     ensure!(deep >= DEEP.1, "a function that uses {} bytes of stack shows {deep}", DEEP.1);
     Ok(())
-}
-
-/// Compiles the plugin beside the image.
-fn plugin(elf: &Path) -> Result<PathBuf> {
-    let plugin = elf.with_file_name("count.so");
-    run(program("cc")
-        .args(["-O2", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-o"])
-        .arg(&plugin)
-        .arg("xtask/qemu/count.c"))?;
-    Ok(plugin)
-}
-
-/// The counted functions in the output of nm, with their addresses.
-fn functions(nm: &str) -> Vec<(&str, String)> {
-    nm.lines()
-        .filter_map(|line| {
-            let mut words = line.split_whitespace();
-            let (address, _, symbol) = (words.next()?, words.next()?, words.next()?);
-            Some((symbol.strip_prefix(PREFIX)?, format!("0x{address}")))
-        })
-        .collect()
-}
-
-/// Minimum, mean and maximum of each item, from the plugin's log.
-pub fn parse_counts(log: &str) -> Result<Vec<(String, Counted)>> {
-    log.lines()
-        .filter_map(|line| line.strip_prefix("count "))
-        .map(|line| {
-            let words: Vec<_> = line.split(' ').collect();
-            let [name, figures @ ..] = &words[..] else { bail!("cannot read `{line}`") };
-            let figures: Vec<u64> =
-                figures.iter().map(|word| word.parse()).collect::<Result<_, _>>()?;
-            let [calls, sum, min, max, _at] = figures[..] else { bail!("cannot read `{line}`") };
-            ensure!(calls > 0, "`{name}` was never called, or is one function with another item");
-            #[expect(clippy::cast_precision_loss, reason = "sums stay below 2^53")]
-            let mean = sum as f64 / calls as f64;
-            // As many places as the table shows, so that baseline and table agree.
-            Ok((String::from(*name), (min, (mean * 10.0).round() / 10.0, max)))
-        })
-        .collect()
-}
-
-/// Bytes of state and stack of an item, from what the image says.
-fn parse_item(said: &str, name: &str) -> Option<(u64, u64)> {
-    let line = said.lines().find_map(|line| line.strip_prefix(&format!("item {name} ")))?;
-    let (state, stack) = line.split_once(' ')?;
-    Some((state.parse().ok()?, stack.trim().parse().ok()?))
-}
-
-/// Bytes of flash of an image with one item in it.
-fn flash(item: &str) -> Result<u64> {
-    firmware::build(&["-p", "voltstep-bench", "--bin", "flash"], &[("VOLTSTEP_ITEM", item)])?;
-    let sizes = output(program("arm-none-eabi-size").arg("-A").arg(firmware::binary("flash")?))?;
-    section_bytes(&sizes, &[".text", ".rodata", ".data"])
-}
-
-/// The sum of some sections in the output of `size -A`.
-pub fn section_bytes(sizes: &str, sections: &[&str]) -> Result<u64> {
-    let mut sum = 0;
-    for line in sizes.lines() {
-        let mut words = line.split_whitespace();
-        if let (Some(section), Some(bytes)) = (words.next(), words.next())
-            && sections.contains(&section)
-        {
-            sum += bytes.parse::<u64>().with_context(|| format!("cannot read `{line}`"))?;
-        }
-    }
-    ensure!(sum > 0, "the image is empty");
-    Ok(sum)
 }
 
 /// Fails where a figure is worse than the baseline allows, or an item is not in it.
@@ -324,21 +236,6 @@ mod tests {
             assert!(error.contains("battery"), "{error}");
         }
         assert!(gate(&json!({}), &costs(COST)).is_err(), "not in the baseline");
-    }
-
-    #[test]
-    fn logs_are_read() {
-        let counts = parse_counts("count battery 4 402 100 101 2\nrun 40 7\n").unwrap();
-        assert_eq!(counts, [(String::from("battery"), (100, 100.5, 101))]);
-        assert!(parse_counts("count battery 0 0 0 0 0").is_err(), "never called");
-        assert!(parse_counts("count battery 4").is_err());
-        assert_eq!(parse_item("item battery 16 8\n", "battery"), Some((16, 8)));
-        assert_eq!(parse_item("item battery2 16 8\n", "battery"), None);
-        let nm = "00004711 T bench_battery\n00000400 t other\n         U hole\n";
-        assert_eq!(functions(nm), [("battery", String::from("0x00004711"))]);
-        let sizes = ".text   100  1024\n.rodata 20 0\n.debug 9999 0\n.data 4 0\nTotal 1\n";
-        assert_eq!(section_bytes(sizes, &[".text", ".rodata", ".data"]).unwrap(), 124);
-        assert!(section_bytes("", &[".text"]).is_err());
     }
 
     #[test]

@@ -69,6 +69,16 @@ fn between_markers(text: &str, table: &str) -> Option<String> {
     Some(format!("{}\n{table}{}", &text[..start], &text[end..]))
 }
 
+/// The share of a loop of 1 kHz at the slowest clock that so many instructions take, estimated.
+pub fn share_of_1_khz(instructions: f64) -> f64 {
+    let (khz, mhz) = LOOPS[0];
+    share(instructions, khz, mhz)
+}
+
+fn share(instructions: f64, khz: f64, mhz: f64) -> f64 {
+    instructions * CYCLES_PER_INSTRUCTION / mhz * khz * 1e-3
+}
+
 /// How long the step of an item takes, as an estimate.
 pub fn times(rows: &[(&str, Cost)]) -> Result<String> {
     let mut text = String::from("\n| Estimated time of one step |");
@@ -85,7 +95,7 @@ pub fn times(rows: &[(&str, Cost)]) -> Result<String> {
             let _ = write!(text, " {:.1} µs |", cost.mean * CYCLES_PER_INSTRUCTION / mhz);
         }
         for (i, (khz, mhz)) in LOOPS.into_iter().enumerate() {
-            let share = cost.mean * CYCLES_PER_INSTRUCTION / mhz * khz * 1e-3;
+            let share = share(cost.mean, khz, mhz);
             ensure!(i > 0 || share <= LARGEST_SHARE, "{about} takes {share:.3} of the loop");
             let _ = write!(text, " {:.1} % |", 100.0 * share);
         }

@@ -3,14 +3,11 @@
 //! An image with one item in it, the one named by `VOLTSTEP_ITEM` at build time, or with none:
 //! the difference of two sizes is what the item costs in flash.
 
-#[path = "../items.rs"]
-#[allow(dead_code, reason = "one of them is used")]
-mod items;
-
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use panic_halt as _;
+use voltstep_bench::{fast, items, pids};
 
 const ITEM: &str = match option_env!("VOLTSTEP_ITEM") {
     Some(item) => item,
@@ -19,9 +16,9 @@ const ITEM: &str = match option_env!("VOLTSTEP_ITEM") {
 
 /// Keeps the item of this name.
 macro_rules! keep {
-    ($($item:ident)+) => {
+    ($module:ident: $($item:ident)+) => {
         $(if const { same(ITEM, stringify!($item)) } {
-            black_box(items::$item as *const ());
+            black_box($module::$item as *const ());
         })+
     };
 }
@@ -29,12 +26,14 @@ macro_rules! keep {
 #[entry]
 fn main() -> ! {
     keep!(
-        bench_nothing bench_plant_pid_off bench_plant_pid_on bench_plant_torque_off
+        items: bench_nothing bench_plant_pid_off bench_plant_pid_on bench_plant_torque_off
         bench_plant_torque_on bench_powertrain bench_battery bench_rc_branch bench_auxiliary
         bench_converter bench_dc_motor bench_gearbox bench_wheel bench_body
         bench_rotational_load bench_axis bench_slope bench_pid bench_torque_driver
         bench_voltage_sensor bench_current_sensor bench_speed_sensor bench_time_table bench_sine
     );
+    keep!(pids: bench_pi bench_pi_ram bench_pi_pid bench_pi_idsp bench_pi_idsp_ram);
+    keep!(fast: bench_num_sqrt bench_fast_sqrt bench_num_exp bench_fast_exp);
     loop {
         cortex_m::asm::nop();
     }

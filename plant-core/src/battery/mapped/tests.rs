@@ -326,3 +326,44 @@ fn refuses_each_bad_field_by_name() {
     let above = ParamError::NotAbove("battery.identified.temperature_max_c");
     assert_eq!(MappedBattery::new(params, dt(0.1)), Err(above));
 }
+
+#[test]
+fn the_plant_sees_its_losses_and_its_magnitude() {
+    let hysteresis = HysteresisParams { half_gap_v: 0.5, rate_per_soc: 100.0 };
+    let map = mapped(MappedBatteryParams { hysteresis, ..SAME }, 1.0);
+    let mut before = map.rested(0.5).unwrap();
+    before.hysteresis = Accum::new(-0.5);
+    let mut after = before;
+    after.polarisation_v = [Accum::new(0.4), Accum::new(-0.1)];
+    after.heat_j = -7.0;
+    assert!((<MappedBattery as Pack>::magnitude(&after) - 7.5).abs() < 1e-6);
+    let losses = map.losses(&before, &after, 2.0);
+    assert!((losses.series - 0.03 * 4.0).abs() < 1e-6, "{losses:?}");
+    assert!((losses.polarisation - (0.4 - 0.1 + 0.25) * 2.0).abs() < 1e-6, "{losses:?}");
+    assert_eq!((losses.numerical, map.loss_factors()), (0.0, (1.0, 1.0)));
+    let emf_v = map.offer(&before).0.emf_v;
+    assert!((emf_v - (3.6 - 0.25)).abs() < 1e-5, "{emf_v}");
+}
+
+#[test]
+fn what_it_allows_are_its_limits() {
+    let map = mapped(SAME, 1.0);
+    let allows = |soc, current_a| {
+        let s = map.rested(soc).unwrap();
+        map.allows(current_a, &map.next(&s, current_a))
+    };
+    // 10 800 C in all.
+    for (soc, discharge_a, charge_a) in [(0.5, 10.0, 3.0), (5e-4, 5.4, 3.0), (0.9999, 10.0, 1.08)] {
+        let limits = map.limits(&map.rested(soc).unwrap());
+        assert!((limits.discharge_a / discharge_a - 1.0).abs() < 1e-3, "{limits:?}");
+        assert!((limits.charge_a / charge_a - 1.0).abs() < 1e-3, "{limits:?}");
+        assert!(allows(soc, 0.99 * discharge_a) && !allows(soc, 1.01 * discharge_a));
+        assert!(allows(soc, -0.99 * charge_a) && !allows(soc, -1.01 * charge_a));
+    }
+    assert!(allows(0.5, 10.0) && allows(0.5, -3.0), "the limits themselves");
+    for (soc, current_a, end) in [(1e-4, 2.0, 0.0), (0.9999, -2.0, 1.0)] {
+        let mut s = map.rested(soc).unwrap();
+        map.settle(&mut s, current_a);
+        assert_eq!(s.soc, Accum::new(end));
+    }
+}

@@ -1,0 +1,179 @@
+//! The battery on its own.
+
+extern crate std;
+use super::*;
+
+const PARAMS: BatteryParams = BatteryParams {
+    open_circuit: OpenCircuit::Linear { empty_v: 300.0, full_v: 400.0 },
+    capacity_ah: 2.0,
+    series_resistance_ohm: 0.1,
+    polarisation: RcBranchParams { resistance_ohm: 0.05, capacitance_f: 200.0 },
+    discharge_limit_a: 100.0,
+    charge_limit_a: 50.0,
+};
+
+fn battery(dt_s: Real) -> Battery {
+    Battery::new(PARAMS, Dt::from_s(dt_s).unwrap()).unwrap()
+}
+
+fn load(current_a: Real) -> BatteryInput {
+    BatteryInput { current_a }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn counts_charge_and_drops_voltage() {
+    let (b, mut s) = (battery(0.001), BatteryState::rested(0.8).unwrap());
+    let mut out = b.step(&mut s, load(20.0));
+    for _ in 1..36_000 {
+        out = b.step(&mut s, load(20.0));
+    }
+    // 20 A for 36 s = 0.2 Ah of 2 Ah; the branch (τ = 10 s) has settled to 97 %.
+    assert!((out.soc - 0.7).abs() < 1e-6, "{}", out.soc);
+    let rc_v = 1.0 - Real::from(-3.6_f32).exp();
+    assert!((out.terminal_v - (370.0 - 2.0 - rc_v)).abs() < 2e-3, "{}", out.terminal_v);
+    assert!((out.heat_w - (40.0 + rc_v * rc_v / 0.05)).abs() < 1e-2);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn a_small_current_on_a_large_pack_still_counts() {
+    let p = BatteryParams { capacity_ah: 100.0, ..PARAMS };
+    let b = Battery::new(p, Dt::from_s(0.001).unwrap()).unwrap();
+    let mut s = BatteryState::rested(0.9).unwrap();
+    for _ in 0..1_000_000 {
+        b.step(&mut s, load(1.0));
+    }
+    assert!((s.soc.get() - (0.9 - 1000.0 / 360_000.0)).abs() < 2e-7);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn stops_at_empty_and_full_and_says_what_it_refused() {
+    for (soc, current, end) in [(0.001, 60.0, 0.0), (0.999, -40.0, 1.0)] {
+        let (b, mut s) = (battery(0.01), BatteryState::rested(soc).unwrap());
+        let (mut flowed, mut refused) = (0.0, 0.0);
+        for _ in 0..10_000 {
+            let out = b.step(&mut s, load(current));
+            flowed += f64::from(out.current_a) * 0.01;
+            refused += f64::from(out.refused_charge_c);
+            assert!((0.0..=1.0).contains(&out.soc));
+        }
+        let out = b.step(&mut s, load(current));
+        assert!((f64::from(out.soc) - end).abs() < 1e-6);
+        assert_eq!((out.depleted, out.full), (end == 0.0, end == 1.0));
+        let asked = f64::from(current) * 100.0;
+        assert!((flowed + refused - asked).abs() < 1e-4 * asked.abs(), "{flowed} {refused}");
+        assert!((flowed.abs() - 7.2).abs() < 0.01, "{flowed}");
+        // and the other way is open
+        assert!(b.step(&mut s, load(-current / 10.0)).current_a != 0.0);
+    }
+}
+
+#[test]
+fn limits_the_current() {
+    let (b, mut s) = (battery(0.01), BatteryState::rested(0.5).unwrap());
+    assert_eq!(b.step(&mut s, load(500.0)).current_a, 100.0);
+    let out = b.step(&mut s, load(-500.0));
+    assert_eq!(out.current_a, -50.0);
+    assert!((out.refused_charge_c + 4.5).abs() < 1e-3, "{}", out.refused_charge_c);
+}
+
+#[test]
+fn stored_energy_falls_by_what_leaves_at_the_open_circuit_voltage() {
+    let (b, mut s) = (battery(1.0), BatteryState::rested(0.8).unwrap());
+    let before = s;
+    let first = b.step(&mut s, load(10.0));
+    let mut left = first.open_circuit_v * 10.0;
+    for _ in 1..100 {
+        left += b.step(&mut s, load(10.0)).open_circuit_v * 10.0;
+    }
+    let dropped = b.discharged_energy_j(&before, &s);
+    assert!((dropped / left - 1.0).abs() < 3e-4, "{dropped} {left}");
+    assert_eq!(b.discharged_energy_j(&s, &s), 0.0);
+    // Full at 400 V down to 300 V: 350 V on average.
+    assert!((first.stored_energy_j / (7200.0 * 0.8 * 340.0) - 1.0).abs() < 2e-3);
+}
+
+#[test]
+fn bad_input_changes_nothing() {
+    let (b, mut s) = (battery(1.0), BatteryState::rested(0.5).unwrap());
+    let before = s;
+    for bad in [Real::NAN, Real::INFINITY, -1e38] {
+        let out = b.step(&mut s, load(bad));
+        assert!(out.rejected && out.terminal_v.is_finite() && s == before);
+    }
+}
+
+#[test]
+fn refuses_each_bad_field_by_name() {
+    let refused = |p| Battery::new(p, Dt::from_s(0.001).unwrap()).unwrap_err();
+    for bad in [0.0, -1.0, Real::NAN] {
+        assert_eq!(
+            refused(BatteryParams { capacity_ah: bad, ..PARAMS }),
+            ParamError::NotPositive("battery.capacity_ah")
+        );
+        assert_eq!(
+            refused(BatteryParams { series_resistance_ohm: bad, ..PARAMS }),
+            ParamError::NotPositive("battery.series_resistance_ohm")
+        );
+        assert_eq!(
+            refused(BatteryParams { discharge_limit_a: bad, ..PARAMS }),
+            ParamError::NotALimit("battery.discharge_limit_a")
+        );
+        assert_eq!(
+            refused(BatteryParams { charge_limit_a: bad, ..PARAMS }),
+            ParamError::NotALimit("battery.charge_limit_a")
+        );
+    }
+    for bad in [-0.1, 1.1, Real::NAN] {
+        assert_eq!(BatteryState::rested(bad), Err(ParamError::NotARatio("soc")));
+    }
+}
+
+#[test]
+fn energy_is_stored_as_charge_and_in_the_branch() {
+    let b = battery(1.0);
+    let mut s = BatteryState::rested(0.5).unwrap();
+    s.rc.voltage_v = Accum::new(3.0);
+    // 1 Ah between 300 V and 350 V, and 200 F at 3 V.
+    let stored_j = 3600.0 * 325.0 + 0.5 * 200.0 * 9.0;
+    assert!((b.stored_energy_j(&s) / stored_j - 1.0).abs() < 1e-6, "{}", b.stored_energy_j(&s));
+}
+
+#[test]
+fn what_it_allows_are_its_limits() {
+    let b = battery(1.0);
+    let allows = |soc, current_a| {
+        let s = BatteryState::rested(soc).unwrap();
+        b.allows(current_a, &b.next(&s, current_a))
+    };
+    // 7200 C in all, so 10 A for 1 s take 0.14 %.
+    for (soc, discharge_a, charge_a) in
+        [(0.5, 100.0, 50.0), (0.001, 7.2, 50.0), (0.999, 100.0, 7.2)]
+    {
+        let limits = b.limits(&BatteryState::rested(soc).unwrap());
+        assert!((limits.discharge_a / discharge_a - 1.0).abs() < 1e-3, "{limits:?}");
+        assert!((limits.charge_a / charge_a - 1.0).abs() < 1e-3, "{limits:?}");
+        for (current_a, allowed) in [
+            (0.0, true),
+            (0.99 * discharge_a, true),
+            (1.01 * discharge_a, false),
+            (-0.99 * charge_a, true),
+            (-1.01 * charge_a, false),
+        ] {
+            assert_eq!(allows(soc, current_a), allowed, "{soc} {current_a}");
+        }
+    }
+    assert!(allows(0.5, 100.0) && allows(0.5, -50.0), "the limits themselves");
+}
+
+#[test]
+fn settling_beyond_the_last_bit_ends_at_empty_or_full() {
+    let b = battery(1.0);
+    for (soc, current_a, end) in [(0.001, 8.0, 0.0), (0.999, -8.0, 1.0)] {
+        let mut s = BatteryState::rested(soc).unwrap();
+        b.settle(&mut s, current_a);
+        assert_eq!(s.soc, Accum::new(end));
+    }
+}
