@@ -96,7 +96,7 @@ fn is_sound(state: &EkfState) -> bool {
         && error_variance_v2.is_finite()
         && shared_per_v.is_finite()
         && error_v.is_finite()
-        && state.soc.get().is_finite()
+        && state.soc().is_finite()
         && state.polarisation_v.iter().all(|v| v.is_finite())
 }
 

@@ -25,6 +25,10 @@
 //! is wrong in them is part of the model's error. The covariance is kept as `U·D·Uᵀ` (Bierman 1977,
 //! section V.3): symmetric by form, positive as long as its two factors are, which only ever are
 //! multiplied by ratios of positive numbers or added to.
+//!
+//! [`Ekf::update`] predicts and corrects at each sample, along the tangent of the open-circuit
+//! curve; [`Ekf::refresh`], about once a second, brings that tangent, the resistances and the
+//! variances that only grow slowly up to date.
 
 mod params;
 mod slow;
@@ -65,8 +69,9 @@ pub struct Ekf {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfState {
-    /// State of charge; [`Ekf::estimate`] holds it in 0..1.
-    pub soc: Accum,
+    /// State of charge at the last refresh, and its rise since then.
+    soc_before: Accum,
+    rise: Real,
     /// Voltage across the RC branches, the faster first, positive when discharging \[V\].
     pub polarisation_v: [Real; 2],
     /// The model's error, measured less expected \[V\].
@@ -82,8 +87,11 @@ pub struct EkfState {
     series_ohm: Real,
     /// The resistances of the branches times the gains of a step \[Ω\].
     branch_ohm: [Real; 2],
-    hysteresis_v: Real,
-    /// The open-circuit curve's slope, as little as it may be \[V per unit of SOC\].
+    /// Open-circuit voltage with hysteresis at the last refresh \[V\], and the curve's tangent
+    /// there \[V per unit of SOC\].
+    open_circuit_v: Real,
+    tangent_v: Real,
+    /// The curve's slope, as little as it may be \[V per unit of SOC\].
     slope_v: Real,
     /// Variance of what a step takes for noise \[V²\], and what each A² of its current adds.
     noise_v2: Real,
@@ -180,17 +188,11 @@ impl Correction {
         state.error_variance_v2 *= self.partial_v2 * self.per_total;
     }
 
-    /// Corrects state and covariance by a residual, after `soc_drop`.
+    /// Corrects state and covariance by a residual.
     #[inline(always)]
-    fn apply(
-        &self,
-        state: &mut EkfState,
-        soc_drop: Real,
-        residual_v: Real,
-        noise_v2: Real,
-    ) -> EkfOutput {
+    fn apply(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
         state.residual_sum_v += residual_v;
-        state.soc.add(self.soc_per_v * residual_v - soc_drop);
+        state.rise += self.soc_per_v * residual_v;
         state.error_v += self.error_gain * residual_v;
         self.shrink(state, noise_v2);
         EkfOutput { residual_v, rejected: false }
@@ -256,20 +258,19 @@ impl Ekf {
         }
         state.load_sum_a += magnitude_a;
         let current_a = current_a - state.current_offset_a;
-        let soc_drop = current_a * self.soc_per_a;
+        state.rise -= current_a * self.soc_per_a;
         let [fast_v, slow_v] = self.polarise(state, current_a);
-        let (open_circuit_v, _) = self.open_circuit(state.soc.get() - soc_drop);
         let drop_v = state.series_ohm * current_a + fast_v + slow_v;
-        let expected_v = open_circuit_v + state.hysteresis_v + state.error_v - drop_v;
-        let residual_v = voltage_v - expected_v;
+        let open_circuit_v = state.open_circuit_v + state.tangent_v * state.rise;
+        let residual_v = voltage_v - (open_circuit_v + state.error_v - drop_v);
         let noise_v2 = state.noise_v2 + state.load_noise_ohm2 * (current_a * current_a);
         let correction = Correction::new(state, state.slope_v, noise_v2);
         if (correction.soc_per_v * residual_v).abs() > LARGE_CORRECTION
             || residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER
         {
-            return self.surprise(state, soc_drop, residual_v, noise_v2);
+            return self.surprise(state, residual_v, noise_v2);
         }
-        correction.apply(state, soc_drop, residual_v, noise_v2)
+        correction.apply(state, residual_v, noise_v2)
     }
 
     /// The RC branches under a current \[V\].
@@ -299,14 +300,8 @@ impl Ekf {
     /// slope at its start would lead astray. A residual that is no measurement corrects nothing.
     #[cold]
     #[inline(never)]
-    fn surprise(
-        &self,
-        state: &mut EkfState,
-        soc_drop: Real,
-        residual_v: Real,
-        noise_v2: Real,
-    ) -> EkfOutput {
-        let soc = state.soc.get() - soc_drop;
+    fn surprise(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
+        let soc = state.soc();
         let (open_circuit_v, _) = self.open_circuit(soc);
         let mut correction = Correction::new(state, state.slope_v, noise_v2);
         for _ in 0..CORRECTIONS {
@@ -317,29 +312,25 @@ impl Ekf {
             let slope = (self.open_circuit(soc + way).0 - open_circuit_v) / way;
             correction = Correction::new(state, slope, noise_v2);
         }
+        state.residual_sum_v += residual_v;
         if residual_v * residual_v * correction.per_total <= OUTLIER * OUTLIER {
+            state.rise += correction.soc_per_v * residual_v;
+            state.error_v += correction.error_gain * residual_v;
+            self.follow_curve(state);
             // What is learnt is less than the mean slope says where the curve is flatter nearby.
-            let mut moved = *state;
-            let out = correction.apply(&mut moved, soc_drop, residual_v, noise_v2);
-            state.soc = moved.soc;
-            state.error_v = moved.error_v;
-            state.slope_v = min(self.slope_v(state), correction.slope_v);
-            Correction::new(state, state.slope_v, noise_v2).shrink(state, noise_v2);
-            state.residual_sum_v += residual_v;
-            out
+            let slope_v = min(state.slope_v, correction.slope_v);
+            Correction::new(state, slope_v, noise_v2).shrink(state, noise_v2);
         } else {
             self.distrust(state);
-            state.residual_sum_v += residual_v;
-            state.soc.add(-soc_drop);
-            EkfOutput { residual_v, rejected: false }
         }
+        EkfOutput { residual_v, rejected: false }
     }
 
     /// What is believed.
     #[must_use]
     pub fn estimate(&self, state: &EkfState) -> Estimate {
         Estimate {
-            soc: clamp(state.soc.get(), 0.0, 1.0),
+            soc: state.soc(),
             soc_sd: sqrt(state.variance()),
             polarisation_v: state.polarisation_v,
             hysteresis: state.slow.hysteresis,
@@ -351,7 +342,7 @@ impl Ekf {
     /// What to think of it.
     #[must_use]
     pub fn status(&self, state: &EkfState) -> EkfStatus {
-        let (soc, temperature_c) = (state.soc.get(), state.slow.temperature_c);
+        let (soc, temperature_c) = (state.soc(), state.slow.temperature_c);
         let most_v = CONSISTENT * state.slow.error_sd_v;
         let sd = self.params.converged_sd;
         EkfStatus {
@@ -370,6 +361,13 @@ impl Ekf {
 }
 
 impl EkfState {
+    /// State of charge, 0..1.
+    #[inline]
+    #[must_use]
+    pub const fn soc(&self) -> Real {
+        clamp(self.soc_before.get() + self.rise, 0.0, 1.0)
+    }
+
     /// The variance of the state of charge.
     #[must_use]
     pub const fn variance(&self) -> Real {

@@ -47,7 +47,7 @@ pub(super) struct Slow {
     pub(super) hysteresis: Real,
     /// How little of the hysteresis is known: 1 at the start.
     hysteresis_sd: Real,
-    soc_before: Real,
+    soc_then: Real,
     offset_sd_a: Real,
     pub(super) temperature_c: Real,
     pub(super) temperature_missing: bool,
@@ -74,7 +74,8 @@ impl Ekf {
         let known = &self.params.uncertainty;
         let error_sd_v = known.open_circuit_sd_v;
         Ok(EkfState {
-            soc: Accum::new(soc),
+            soc_before: Accum::new(soc),
+            rise: 0.0,
             polarisation_v: [0.0; 2],
             error_v: 0.0,
             own_variance: max(soc_sd * soc_sd, Real::EPSILON),
@@ -83,7 +84,8 @@ impl Ekf {
             current_offset_a: 0.0,
             series_ohm: 0.0,
             branch_ohm: [0.0; 2],
-            hysteresis_v: 0.0,
+            open_circuit_v: 0.0,
+            tangent_v: 0.0,
             slope_v: 0.0,
             noise_v2: known.voltage_sd_v * known.voltage_sd_v,
             load_noise_ohm2: 0.0,
@@ -99,7 +101,7 @@ impl Ekf {
                 polarisation_sd_v: known.polarisation_sd_v,
                 hysteresis: 0.0,
                 hysteresis_sd: 1.0,
-                soc_before: soc,
+                soc_then: soc,
                 offset_sd_a: known.current_offset_sd_a,
                 temperature_c,
                 temperature_missing: false,
@@ -174,7 +176,9 @@ impl Ekf {
         state.load_sum_a = 0.0;
         state.residual_sum_v = 0.0;
         state.steps_left = self.refresh_steps;
-        state.soc.clamp(0.0, 1.0);
+        state.soc_before.add(state.rise);
+        state.soc_before.clamp(0.0, 1.0);
+        state.rise = 0.0;
         if input.contactors_open {
             let gain = lag_gain(refresh_s / OFFSET_MEMORY_S);
             state.current_offset_a += gain * (measured_a - state.current_offset_a);
@@ -184,7 +188,7 @@ impl Ekf {
         let moved = mean_a * self.soc_per_a * steps;
         self.follow_hysteresis(state, moved);
         self.follow_error(state, moved);
-        state.slope_v = self.slope_v(state);
+        self.follow_curve(state);
         if self.is_flat(state) && state.slow.residual_v.abs() > CONSISTENT * state.slow.error_sd_v {
             self.leave_flat(state);
         }
@@ -200,8 +204,8 @@ impl Ekf {
     /// sign.
     fn follow_error(&self, state: &mut EkfState, moved: Real) {
         let outside = self.outside(state);
+        let now = self.battery.resistances(state.soc(), state.slow.temperature_c);
         let slow = &mut state.slow;
-        let now = self.battery.resistances(state.soc.get(), slow.temperature_c);
         let [fast, slower] = now.polarisation_ohm;
         state.series_ohm = now.series_ohm;
         state.branch_ohm = [self.gains[0] * fast, self.gains[1] * slower];
@@ -233,13 +237,16 @@ impl Ekf {
     /// Takes the state of charge from the voltage: no place on the flat part shows this one.
     #[cold]
     fn leave_flat(&self, state: &mut EkfState) {
-        let (open_circuit_v, _) = self.open_circuit(state.soc.get());
+        let (open_circuit_v, _) = self.open_circuit(state.soc());
         let shown_v = open_circuit_v + state.error_v + state.slow.residual_v;
         let soc = self.params.battery.open_circuit.soc_at(shown_v);
         let sd_v = state.slow.error_sd_v;
-        state.soc = Accum::new(soc);
+        state.soc_before = Accum::new(soc);
+        state.rise = 0.0;
         state.error_v = 0.0;
         state.error_variance_v2 = sd_v * sd_v;
+        state.slow.residual_v = 0.0;
+        state.slow.soc_then = soc;
         // Whatever the model's error is, the state of charge makes up for it; how much that may be
         // depends on the curve as far as it reaches.
         let (_, mut slope_v) = self.open_circuit(soc);
@@ -247,28 +254,30 @@ impl Ekf {
             state.shared_per_v = -1.0 / max(slope_v, sd_v / UNKNOWN_SD);
             // The residual is a mean over some seconds; so is its state of charge.
             state.own_variance = sd_v * sd_v * state.shared_per_v * state.shared_per_v;
-            slope_v = self.slope_v(state);
+            self.follow_curve(state);
+            slope_v = state.slope_v;
         }
-        state.slow.residual_v = 0.0;
-        state.slow.soc_before = soc;
-        state.slope_v = slope_v;
     }
 
-    /// The least slope of the curve within three standard deviations \[V per unit of SOC\].
-    pub(super) fn slope_v(&self, state: &EkfState) -> Real {
-        let soc = state.soc.get();
+    /// The curve's tangent, and its least slope within three standard deviations.
+    pub(super) fn follow_curve(&self, state: &mut EkfState) {
+        let soc = state.soc();
         let sd = sqrt(state.variance());
-        let mut least = Real::INFINITY;
-        for way in [-3.0, -1.5, 0.0, 1.5, 3.0] {
-            least = min(least, self.open_circuit(clamp(soc + way * sd, 0.0, 1.0)).1);
+        let (open_circuit_v, tangent_v) = self.open_circuit(soc);
+        let hysteresis_v = self.params.battery.hysteresis.half_gap_v * state.slow.hysteresis;
+        state.slope_v = tangent_v;
+        for way in [-3.0, -1.5, 1.5, 3.0] {
+            let (_, slope_v) = self.open_circuit(clamp(soc + way * sd, 0.0, 1.0));
+            state.slope_v = min(state.slope_v, slope_v);
         }
-        least
+        state.tangent_v = tangent_v;
+        state.open_circuit_v = open_circuit_v + hysteresis_v - tangent_v * state.rise;
     }
 
     /// How many times larger the model's error is here.
     fn outside(&self, state: &EkfState) -> Real {
         let range = &self.params.battery.identified;
-        if range.holds(state.soc.get(), state.slow.temperature_c) {
+        if range.holds(state.soc(), state.slow.temperature_c) {
             1.0
         } else {
             self.params.uncertainty.outside_factor
@@ -296,14 +305,13 @@ impl Ekf {
     fn follow_hysteresis(&self, state: &mut EkfState, moved: Real) {
         let params = &self.params.battery.hysteresis;
         if params.half_gap_v > 0.0 {
-            let rise = state.soc.get() - state.slow.soc_before;
+            let rise = state.soc() - state.slow.soc_then;
             // A correction moves no charge.
             let way = lag_gain(params.rate_per_soc * min(rise.abs(), moved));
             state.slow.hysteresis += way * (sign(rise) - state.slow.hysteresis);
             state.slow.hysteresis_sd -= way * state.slow.hysteresis_sd;
-            state.hysteresis_v = params.half_gap_v * state.slow.hysteresis;
         }
-        state.slow.soc_before = state.soc.get();
+        state.slow.soc_then = state.soc();
     }
 
     /// A step without a voltage, or without a current.
@@ -314,7 +322,7 @@ impl Ekf {
             state.load_sum_a += current_a.abs();
             let current_a = current_a - state.current_offset_a;
             self.polarise(state, current_a);
-            state.soc.add(-(current_a * self.soc_per_a));
+            state.rise -= current_a * self.soc_per_a;
         } else {
             // Any current may have flowed; what it did is no random walk.
             let unseen_a = min(self.params.unseen_current_a, self.largest_a);

@@ -166,12 +166,12 @@ fn learns_the_offset_only_with_open_contactors() {
         EKF.step(&mut state, closed);
     }
     assert_eq!(state.current_offset_a, 0.0);
-    let before = state.soc;
+    let before = state.soc();
     for _ in 0..300 {
         EKF.step(&mut state, EkfInput { contactors_open: true, ..closed });
     }
     assert!((state.current_offset_a - 0.05).abs() < 0.001, "{}", state.current_offset_a);
-    assert!((state.soc.get() - before.get()).abs() < 0.002, "no current flowed");
+    assert!((state.soc() - before).abs() < 0.002, "no current flowed");
 }
 
 #[test]

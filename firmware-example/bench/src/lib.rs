@@ -1,8 +1,10 @@
 #![no_std]
 //! What is counted, and the stacks on which it is called.
 
+pub mod estimators;
 pub mod fast;
 pub mod items;
+pub mod kalman;
 pub mod pids;
 pub mod stack;
 

@@ -25,16 +25,22 @@ use plant_core::sensors::{
 use plant_core::slope::{SlopeInput, SlopeState};
 use plant_core::sources::{PhaseState, TimeTableState};
 use plant_core::wheel::WheelInput;
+use voltstep_bms::coulomb::CoulombInput;
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
 };
 
+use voltstep_bench::estimators::{self, Estimators};
 use voltstep_bench::pids::{Apart, Pids, say_hard_cases};
 use voltstep_bench::{call, call_uncounted, end, fast, hprintln, items, painted, pids, report};
 
 /// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
 const WHEEL_RAD_PER_M: f32 = 2.94;
 const RATIO: f32 = 9.665;
+/// One cell's share of the pack's current.
+const CELL_PER_PACK: f32 = 2.97 / 61.7;
+/// The estimators run at 10 Hz.
+const STEPS_PER_SAMPLE: u32 = 100;
 
 #[entry]
 fn main() -> ! {
@@ -77,6 +83,12 @@ fn run() -> Option<()> {
         fast_sqrt,
         num_exp,
         fast_exp,
+        ekf_update,
+        ekf_refresh,
+        counter_step,
+        counter_review,
+        cells,
+        kalman,
         deep
     );
     let mut clock = TimeTableState::default();
@@ -110,7 +122,9 @@ fn run() -> Option<()> {
     }
     let (mut uncounted, mut apart) = (Pids::new()?, Apart::default());
 
-    for _ in 0..BLOCKS * STEPS_PER_BLOCK {
+    let mut pack = Estimators::new()?;
+
+    for step in 0..BLOCKS * STEPS_PER_BLOCK {
         let reference = REFERENCE.step(&mut clock, ());
         call!(nothing, items::bench_nothing, &mut (), &());
         call!(plant_pid_off, items::bench_plant_pid_off, &mut pid_off, &reference);
@@ -167,6 +181,20 @@ fn run() -> Option<()> {
         call!(current_sensor, items::bench_current_sensor, &mut (), &input);
         let input = AxialSpeedSensorInput { speed_rad_s: motor_rad_s };
         call!(speed_sensor, items::bench_speed_sensor, &mut speed_sensor_state, &input);
+        if step % STEPS_PER_SAMPLE == 0 {
+            pack.drive(current_a * CELL_PER_PACK);
+            if step % STEPS_PER_BLOCK == 0 {
+                call!(ekf_refresh, estimators::bench_ekf_refresh, &mut pack.ekf, &pack.input);
+                let voltage_v = pack.input.voltage_v;
+                let counter = &mut pack.counter;
+                call!(counter_review, estimators::bench_counter_review, counter, &voltage_v);
+            }
+            call!(ekf_update, estimators::bench_ekf_update, &mut pack.ekf, &pack.input);
+            let counted = CoulombInput { current_a: pack.input.current_a };
+            call!(counter_step, estimators::bench_counter_step, &mut pack.counter, &counted);
+            call!(cells, estimators::bench_cells, &mut pack.cells, &pack.of_cells);
+            call!(kalman, estimators::bench_kalman, &mut pack.kalman, &pack.input);
+        }
         call!(time_table, items::bench_time_table, &mut table_state, &());
         call!(sine, items::bench_sine, &mut sine_state, &());
     }
@@ -184,6 +212,7 @@ fn run() -> Option<()> {
     }
     fast::say_errors();
     apart.say();
+    pack.say();
     say_hard_cases()?;
 
     worst::plant_pid_off(&mut plant_pid_off)?.say("plant_pid_off");
@@ -203,6 +232,8 @@ fn run() -> Option<()> {
         pi: controllers.ours, pi_ram: controllers.ours_ram, pi_pid: controllers.pid,
         pi_idsp: controllers.idsp, pi_idsp_ram: controllers.idsp_ram,
         num_sqrt: (), fast_sqrt: (), num_exp: (), fast_exp: (),
+        ekf_update: pack.ekf, ekf_refresh: (), counter_step: pack.counter, counter_review: (),
+        cells: pack.cells, kalman: pack.kalman,
     );
     hprintln!("soc {} {}", pid_off.seen.soc, torque_off.seen.soc);
     Some(())

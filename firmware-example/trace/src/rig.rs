@@ -120,7 +120,7 @@ impl Frame {
     /// The first of them are the plant's.
     pub const PLANT: usize = 12;
     /// What the words of a frame are. `lost` is what a compensated sum holds back.
-    pub const FIELDS: [&'static str; 20] = [
+    pub const FIELDS: [&'static str; 19] = [
         "current_a",
         "current_a.lost",
         "speed_m_s",
@@ -134,7 +134,6 @@ impl Frame {
         "battery_v",
         "duty",
         "ekf.soc",
-        "ekf.soc.lost",
         "ekf.polarisation_v",
         "ekf.error_v",
         "ekf.own_variance",
@@ -143,9 +142,9 @@ impl Frame {
         "counter.soc",
     ];
 
-    /// The words of a plant, and of what is estimated of it.
+    /// The words of a plant.
     #[must_use]
-    pub fn of<L>(state: &RigState<L>, ekf: &EkfState, counted_soc: f32) -> Self {
+    pub fn plant<L>(state: &RigState<L>) -> [u32; Self::PLANT] {
         let RigState { plant, seen, .. } = state;
         let [i, i_lost] = words(plant.current_a);
         let [v, v_lost] = words(plant.body.speed_m_s);
@@ -153,34 +152,28 @@ impl Frame {
         let [soc, soc_lost] = words(plant.battery.soc);
         let [rc, rc_lost] = words(plant.battery.rc.voltage_v);
         let (battery_v, duty) = (plant.battery_v.to_bits(), seen.duty.to_bits());
-        let [ekf_soc, ekf_lost] = words(ekf.soc);
-        let [polarisation_v, _] = ekf.polarisation_v.map(f32::to_bits);
-        let [error_v, own, shared, error] =
-            [ekf.error_v, ekf.own_variance, ekf.shared_per_v, ekf.error_variance_v2]
-                .map(f32::to_bits);
-        let counted = counted_soc.to_bits();
-        Self([
-            i,
-            i_lost,
-            v,
-            v_lost,
-            x,
-            x_lost,
-            soc,
-            soc_lost,
-            rc,
-            rc_lost,
-            battery_v,
-            duty,
-            ekf_soc,
-            ekf_lost,
-            polarisation_v,
-            error_v,
-            own,
-            shared,
-            error,
-            counted,
-        ])
+        [i, i_lost, v, v_lost, x, x_lost, soc, soc_lost, rc, rc_lost, battery_v, duty]
+    }
+
+    /// The words of a plant, and of what is estimated of it.
+    #[must_use]
+    pub fn of<L>(state: &RigState<L>, ekf: &EkfState, counted_soc: f32) -> Self {
+        let [polarisation_v, _] = ekf.polarisation_v;
+        let estimators = [
+            ekf.soc().to_bits(),
+            polarisation_v.to_bits(),
+            ekf.error_v.to_bits(),
+            ekf.own_variance.to_bits(),
+            ekf.shared_per_v.to_bits(),
+            ekf.error_variance_v2.to_bits(),
+            counted_soc.to_bits(),
+        ];
+        let mut frame = [0; Self::FIELDS.len()];
+        let words = Self::plant(state).into_iter().chain(estimators);
+        for (place, word) in frame.iter_mut().zip(words) {
+            *place = word;
+        }
+        Self(frame)
     }
 }
 

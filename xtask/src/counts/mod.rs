@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use crate::compare;
 use crate::firmware;
 
+mod estimators;
 mod fast;
 mod measure;
 mod pids;
@@ -133,6 +134,7 @@ pub fn counts() -> Result<()> {
             table(&rows),
             times(&rows[..PLANTS])?,
             compared,
+            estimators::table(&measured)?,
             pids::table(&measured)?,
             small::table(&on_m0, &measured)?,
             fast::table(&measured, &on_m0)?,

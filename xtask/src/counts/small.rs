@@ -36,7 +36,8 @@ pub fn same_bits(said: &str) -> Result<()> {
 
 fn compare(said: &str, here: &str) -> Result<()> {
     let (block, hash) = block(said)?;
-    let wanted = line(here, &format!("block {block}"))?;
+    // The plant's hash; that of the estimators, which do not run there, stands behind it.
+    let wanted = line(here, &format!("block {block}"))?.split(' ').next().unwrap_or_default();
     ensure!(hash == wanted, "other bits on {SMALL_TARGET}: {hash} there, {wanted} here");
     Ok(())
 }

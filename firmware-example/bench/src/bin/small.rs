@@ -51,7 +51,7 @@ fn run() -> Option<()> {
         let reference = REFERENCE.step(&mut clock, ());
         call!(nothing, items::bench_nothing, &mut (), &());
         call!(plant_pid_off, items::bench_plant_pid_off, &mut pid_off, &reference);
-        for word in Frame::of(&pid_off).0 {
+        for word in Frame::plant(&pid_off) {
             hash.word(word);
         }
         call!(plant_pid_on, items::bench_plant_pid_on, &mut pid_on, &reference);
