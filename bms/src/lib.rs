@@ -20,6 +20,7 @@
 //! | [`energy`] | energy and time left |
 //! | [`estimate`] | what is believed to be in a battery |
 //! | [`power`] | state of power: what may be drawn and charged over the next seconds |
+//! | `smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //! | [`soh`] | state of health: resistance and capacity, with their uncertainty |
 //!
 //! # Conventions
@@ -30,6 +31,8 @@
 pub mod energy;
 pub mod estimate;
 pub mod power;
+#[cfg(feature = "smart-battery")]
+pub mod smart_battery;
 pub mod soh;
 
 pub use estimate::Estimate;
