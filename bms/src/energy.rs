@@ -129,6 +129,12 @@ impl<'b> EnergyGauge<'b> {
         Ok(Self { battery, params, average_gain: lag_gain(dt.s() / AVERAGE_S) })
     }
 
+    /// Its parameters.
+    #[must_use]
+    pub const fn params(&self) -> &EnergyParams {
+        &self.params
+    }
+
     /// Averages current and power. What is not finite or absurd is left out, and said so by
     /// `false`.
     #[inline]

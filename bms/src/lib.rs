@@ -26,6 +26,7 @@
 //! | [`energy`] | energy and time left |
 //! | [`power`] | state of power: what may be drawn and charged over the next seconds |
 //! | [`record`] | what is worth knowing after a power cut, in two slots |
+//! | `smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
@@ -41,6 +42,8 @@ pub mod estimate;
 pub mod measurement;
 pub mod power;
 pub mod record;
+#[cfg(feature = "smart-battery")]
+pub mod smart_battery;
 pub mod soh;
 
 pub use estimate::Estimate;

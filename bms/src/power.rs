@@ -19,6 +19,10 @@ const ROUNDS: u32 = 16;
 /// A current is good enough when the voltage comes as close to its limit as this share of it.
 const CLOSE_ENOUGH: Real = 2e-5;
 
+/// At constant power less flows early on than at constant current and the battery warms up less:
+/// measured in the cold over 30 s, up to 12 mV, which this covers.
+const POWER_SHARE: Real = 0.996;
+
 /// The share of the largest current that a battery may see at a temperature: none outside, all of
 /// it within, linear in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +113,7 @@ pub struct PowerParams {
 /// The surroundings are taken to be as warm as the battery is now. On the plant with the parameters
 /// of a Panasonic cell, −10 to 40 °C, 5 to 100 % SOC, polarised at random, the voltage goes at most
 /// 10 mV beyond its limit, in constant current or constant power, and the current is at least 95 %
-/// of the largest that the plant stands.
+/// of the largest that the plant stands, where that empties it in less than twenty hours.
 ///
 /// It takes some thousand instructions for each horizon and direction: a matter for once a second,
 /// not for every step.
@@ -144,7 +148,7 @@ pub enum BoundBy {
 pub struct Allowance {
     /// Constant current \[A\], ≥ 0 in either direction.
     pub current_a: Real,
-    /// Constant power \[W\], ≥ 0 in either direction: the current at its lowest voltage, so that
+    /// Constant power \[W\], ≥ 0 in either direction: 99.6 % of the current at its lowest voltage, so that
     /// no instant at this power takes more than the current.
     pub power_w: Real,
     /// The voltage closest to its limit that this current leads to \[V\].
@@ -299,7 +303,7 @@ impl<'b> PowerLimits<'b> {
         let Look { current_a, seen, bound_by, .. } = found;
         Allowance {
             current_a,
-            power_w: max(0.0, min(current_a * seen.lowest_v, shorter.power_w)),
+            power_w: max(0.0, min(POWER_SHARE * current_a * seen.lowest_v, shorter.power_w)),
             voltage_v: seen.closest_v,
             bound_by,
         }
@@ -319,6 +323,8 @@ struct Look {
 /// position, the weight of an end that stays put halved.
 fn between(look: impl Fn(Real) -> Look, low: Look, high: Look, close_enough: Real) -> Look {
     let mut best = Look { bound_by: high.bound_by, ..low };
+    // Where there is little room to begin with, a small share of it.
+    let close_enough = min(close_enough, 0.01 * low.room);
     let (mut high_a, mut low_weight, mut high_weight) = (high.current_a, low.room, high.room);
     for _ in 0..ROUNDS {
         if best.room <= close_enough {
