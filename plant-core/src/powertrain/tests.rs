@@ -286,7 +286,7 @@ fn every_step_keeps_the_equations_and_the_limits() {
             let mut now = before;
             let limits = plant.battery().limits(&before.battery);
             let out = plant.step(&mut now, input);
-            assert!(!out.rejected);
+            assert!(!out.rejected && !out.battery_outside_identified);
             holds(&params, &before, &input, &now, &out);
             let starved = limits.discharge_a < loads_a(&params, &before, &input);
             assert!(starved || !out.auxiliary_starved, "{out:?}");
