@@ -221,6 +221,7 @@ impl Rules {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_step_follows_the_rules() {
     let all = PidParams { derivative_s: 0.02, dead_zone: 0.05, smoothing_per_s: 40.0, ..LIMITED };
     let measured = PidParams {

@@ -278,6 +278,7 @@ fn holds(
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_step_keeps_the_equations_and_the_limits() {
     for params in [FULL, PLAIN].into_iter().chain(with_one_load()) {
         let plant = plant(params);
