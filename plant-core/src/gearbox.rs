@@ -145,6 +145,12 @@ mod tests {
     }
 
     #[test]
+    fn it_loses_nothing_at_standstill() {
+        let out = gearbox(PARAMS).step(&mut 0.0, GearboxInput { motor_nm: 9.0, wheel_rad_s: 0.0 });
+        assert_eq!((out.wheel_nm, out.loss_w), (9.665 * 9.0, 0.0));
+    }
+
+    #[test]
     fn its_inertia_is_felt_when_it_speeds_up() {
         let (g, mut s) = (gearbox(GearboxParams { efficiency: 1.0, ..PARAMS }), 0.0);
         let out = g.step(&mut s, GearboxInput { motor_nm: 0.0, wheel_rad_s: 1.0 });

@@ -12,6 +12,7 @@ mod data;
 mod firmware;
 mod image;
 mod metadata;
+mod mutants;
 mod parts;
 mod readme;
 mod report;

@@ -63,7 +63,11 @@ pub const LONG: &[Part] = &[
         "arbitrary bytes for the readers, arbitrary bits for the step (VOLTSTEP_FUZZ_S)",
         fuzz,
     ),
-    part("mutants", "changes plant-core in every place and sees whether a test notices", mutants),
+    part(
+        "mutants",
+        "changes plant-core in every place; tests notice 9 of 10 (VOLTSTEP_MUTANTS_SHARD)",
+        crate::mutants::mutants,
+    ),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
@@ -87,16 +91,6 @@ fn fuzz() -> Result<()> {
         .context("`cargo install cargo-fuzz` installs it; it needs a nightly toolchain")?;
     }
     Ok(())
-}
-
-fn mutants() -> Result<()> {
-    run(cargo().args(["mutants", "-p", "plant-core", "--jobs", "2", "--baseline", "skip"]).args([
-        "--output",
-        "target",
-        "--timeout",
-        "60",
-    ]))
-    .context("`cargo install cargo-mutants` installs it; survivors stand in target/mutants.out/missed.txt")
 }
 
 /// Cargo of another toolchain.

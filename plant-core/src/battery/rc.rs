@@ -189,4 +189,13 @@ mod tests {
             assert_eq!(Dt::from_s(bad), Err(ParamError::NotPositive("dt_s")));
         }
     }
+
+    #[test]
+    fn a_voltage_that_would_become_absurd_stays() {
+        let params = RcBranchParams { resistance_ohm: 1e4, capacitance_f: 1e-6 };
+        let branch = RcBranch::new(params, Dt::from_s(1.0).unwrap()).unwrap();
+        let mut s = RcBranchState::default();
+        assert!(branch.step(&mut s, RcBranchInput { discharge_a: 1e6 }).rejected);
+        assert_eq!(s, RcBranchState::default());
+    }
 }

@@ -132,6 +132,7 @@ fn refuses_each_bad_field_by_name() {
 
 /// Any step against the two equations at its end, in double precision, and what it says of it.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_step_keeps_the_equations() {
     let p = DcMotorParams { torque_nm_per_a: 1.2, ..MOTOR_PASEK };
     let m = motor(p, 1e-3);

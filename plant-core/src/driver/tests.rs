@@ -148,6 +148,7 @@ fn refuses_each_bad_field_by_name() {
 
 /// One decision of a fresh torque driver against its rules, written once more.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_decision_follows_the_rules() {
     let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
     let car = BMW_I3_60AH.powertrain;

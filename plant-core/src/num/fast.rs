@@ -53,6 +53,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn the_errors_are_those_stated() {
         let (low, high) = SQRT_RANGE;
         let numbers = (low.to_bits()..=high.to_bits()).step_by(997).map(f32::from_bits);

@@ -193,6 +193,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn any_value_and_any_mean_are_those_of_the_polyline() {
         let points = [(-0.5, 1.0), (0.125, 4.0), (0.25, 2.0), (0.5, 2.5), (0.75, 7.0), (1.5, 1.0)];
         let t = SocTable::from_points("t", &points).unwrap();

@@ -130,6 +130,30 @@ fn bad_input_changes_nothing() {
     }
 }
 
+/// The difference of two absurd values, or what a saturation hides, would do.
+#[test]
+fn what_would_cancel_is_refused() {
+    let (p, mut s) = (pid(LIMITED), PidState::default());
+    let absurd = PidInput { reference: 0.9e9, measurement: 0.9e9 };
+    assert!(p.step(&mut s, absurd).rejected && s == PidState::default());
+    assert!(p.step_fed_back(&mut s, error(0.0), 1.1e9).rejected && s == PidState::default());
+    let mut wound_up = PidState { integral: Accum::new(-1.1e9), ..PidState::default() };
+    assert!(p.step(&mut wound_up, error(0.0)).rejected);
+}
+
+#[test]
+fn a_frozen_one_does_not_look_further_down_the_loop() {
+    for (anti_windup, held_back) in [(AntiWindup::Freeze, false), (AntiWindup::Directional, true)] {
+        let (p, mut s) = (pid(PidParams { anti_windup, ..LIMITED }), PidState::default());
+        p.step(&mut s, error(0.2));
+        p.feed_back(&mut s, 0.1);
+        assert_eq!(s.held_back(), held_back);
+        s.reset();
+        p.step_fed_back(&mut s, error(0.2), 0.1);
+        assert_eq!(s.held_back(), held_back);
+    }
+}
+
 #[test]
 fn refuses_each_bad_field_by_name() {
     let refused = |p| Pid::new(p, Dt::from_s(0.01).unwrap()).unwrap_err();
@@ -197,6 +221,7 @@ impl Rules {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_step_follows_the_rules() {
     let all = PidParams { derivative_s: 0.02, dead_zone: 0.05, smoothing_per_s: 40.0, ..LIMITED };
     let measured = PidParams {

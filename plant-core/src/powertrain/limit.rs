@@ -127,3 +127,44 @@ impl DutyLaw {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: DutyLaw = DutyLaw { emf_v: 350.0, source_ohm: 0.1, beta_v: 0.0, rho_ohm: 0.2 };
+
+    #[test]
+    fn the_duty_draws_what_is_allowed_on_the_way_from_the_command() {
+        for beta_v in [-120.0, -40.0, 40.0, 120.0] {
+            for allowed_a in [-80.0, -10.0, 10.0, 300.0] {
+                for commanded in [-0.9, 0.9] {
+                    let duty = DutyLaw { beta_v, ..LAW }.drawing(allowed_a, commanded);
+                    let a = 350.0 - 0.1 * allowed_a;
+                    let discriminant = beta_v * beta_v + 4.0 * a * 0.2 * allowed_a;
+                    if discriminant < 0.0 {
+                        assert_eq!(duty, -beta_v / 350.0, "as little as can be");
+                        continue;
+                    }
+                    let rest_v = a * duty * duty + beta_v * duty - 0.2 * allowed_a;
+                    assert!(rest_v.abs() < 1e-2, "{beta_v} {allowed_a}: {duty} leaves {rest_v}");
+                    // The other root: the product of both is −ρ·I/a.
+                    let other = -0.2 * allowed_a / a / duty;
+                    if allowed_a < 0.0 {
+                        assert!(duty.abs() >= other.abs(), "towards back-EMF: {duty}, not {other}");
+                    } else {
+                        assert!(duty * commanded > 0.0, "{duty} for {commanded}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_left_as_it_is() {
+        // Beyond the short-circuit current.
+        let law = DutyLaw { beta_v: -1.0, ..LAW };
+        assert_eq!(law.drawing(4000.0, 0.7), 0.7);
+        assert_eq!(DutyLaw { beta_v: -20.0, ..LAW }.drawing(4000.0, 0.7), 0.7);
+    }
+}

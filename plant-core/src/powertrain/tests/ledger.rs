@@ -4,6 +4,7 @@ use super::*;
 
 /// Σ of the powers of each term over many steps, against what the ledger says of it.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn the_ledger_adds_the_flows_up_and_closes() {
     for params in [FULL, PLAIN] {
         let plant = plant(params);
@@ -39,6 +40,7 @@ fn the_ledger_adds_the_flows_up_and_closes() {
 
 /// With maps, each step's powers add up to nothing too.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_plant_on_a_battery_with_maps_closes_its_ledger() {
     let params = FULL.with_battery(crate::presets::BMW_I3_60AH_PACK);
     let plant = Powertrain::mapped_with_ledger(params, DT).unwrap();
