@@ -381,7 +381,7 @@ impl CoulombCounter {
 }
 
 /// A count as a number: exact up to 2²⁴, to seven digits beyond.
-#[expect(clippy::cast_precision_loss, reason = "seven digits are enough of a time")]
+#[allow(clippy::cast_precision_loss, reason = "seven digits are enough of a time")]
 const fn real(count: u32) -> Real {
     count as Real
 }

@@ -59,7 +59,7 @@ impl Horizon {
         battery: &MappedBattery,
     ) -> Result<Self, ParamError> {
         let seconds = check!(positive(field, seconds));
-        #[expect(clippy::cast_precision_loss, reason = "a few")]
+        #[allow(clippy::cast_precision_loss, reason = "a few")]
         let stretch_s = seconds / STRETCHES as Real;
         let known = battery.params();
         Ok(Self {
