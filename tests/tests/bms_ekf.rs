@@ -20,6 +20,7 @@ macro_rules! ten_hours {
     ($name:ident, $core:ident, $bms:ident, $real:ty) => {
         #[allow(
             clippy::cast_lossless,
+            clippy::cast_precision_loss,
             clippy::useless_conversion,
             clippy::cast_possible_truncation
         )]
