@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
+pub(crate) use statistics::spread;
 pub use statistics::{Spread, Summary};
 
 /// The CSV files of a folder, by name.
 ///
 /// # Errors
 /// A folder that cannot be read, or has none.
-fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub(crate) fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let shown = folder.display();
     let entries = std::fs::read_dir(folder).with_context(|| format!("{shown}: cannot be read"))?;
     let mut files = Vec::new();
@@ -30,6 +31,6 @@ fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn number(x: Option<f64>, digits: usize) -> String {
+pub(crate) fn number(x: Option<f64>, digits: usize) -> String {
     x.filter(|x| x.is_finite()).map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"))
 }
