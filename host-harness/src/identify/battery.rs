@@ -8,9 +8,9 @@ use super::capacity::Estimate;
 use super::cross::{self, Folds, HeldOut};
 use super::fit::{self, Fit, MOST_STEPS, Start};
 use super::input;
-use super::layout::{BRANCHES, Layout, place};
+use super::layout::{self, ACTIVATION_UNIT_K, BRANCHES, Layout, place};
 use super::normal::Normal;
-use super::series::{LOWEST_SOC, Measured, Series};
+use super::series::{LOWEST_SOC, Measured, Series, coldness};
 use super::thermal::{self, Node};
 use crate::cell::{CellRecord, Kind};
 use crate::trip::Trip;
@@ -145,13 +145,15 @@ pub fn of_records(
     uncertain(&layout, &found, &errors, second_branch, &mut notes);
 
     tick("thermal node")?;
-    let ocv = &found.parameters[layout.voltages()];
-    let open_circuit_v = |soc: f64| {
-        let at = place(&layout.ocv, soc);
-        ocv[at.below] + at.along * (ocv[at.below + 1] - ocv[at.below])
+    let at = |range, points, soc| layout::at(&found.parameters[range], place(points, soc));
+    let open_circuit_v = |soc| at(layout.voltages(), &layout.ocv, soc);
+    let series_ohm = |soc, celsius| {
+        let activation = found.parameters[layout.activation(0)] * ACTIVATION_UNIT_K;
+        at(layout.resistances(0), &layout.ohm, soc) * (activation * coldness(celsius)).exp()
     };
-    let warm: Vec<&Measured> = measured.iter().filter(|m| thermal::tells(m)).collect();
-    let node = thermal::node(&warm, open_circuit_v);
+    // A pulse test begins anew after each gap, at a temperature of its own.
+    let cycles = measured.iter().filter(|m| m.kind == Kind::Cycle && thermal::tells(m));
+    let node = thermal::node(&cycles.collect::<Vec<_>>(), open_circuit_v, series_ohm);
     if node.is_none() && !of_trips {
         notes.push(
             "no test tells the thermal node: it needs the measured temperature of the \

@@ -116,6 +116,14 @@ fn options(arguments: &Arguments) -> Options {
     if let Some(ah) = arguments.capacity_ah {
         command += &format!(" --capacity-ah {ah}");
     }
+    for (flag, limit_a) in [
+        ("--discharge-limit-a", arguments.discharge_limit_a),
+        ("--charge-limit-a", arguments.charge_limit_a),
+    ] {
+        if limit_a.is_finite() {
+            command += &format!(" {flag} {limit_a}");
+        }
+    }
     command += &format!(" --folds {} --seed {}", arguments.folds, arguments.seed);
     Options {
         name,

@@ -88,3 +88,8 @@ pub fn place(points: &[f64], soc: f64) -> Place {
     let (low, high) = (points[above - 1], points[above]);
     Place { below: above - 1, along: ((soc - low) / (high - low)).clamp(0.0, 1.0) }
 }
+
+/// A value between points.
+pub fn at(values: &[f64], place: Place) -> f64 {
+    values[place.below] + place.along * (values[place.below + 1] - values[place.below])
+}

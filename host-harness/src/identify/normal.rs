@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::layout::{ACTIVATION_UNIT_K, BRANCHES, Layout, Place};
+use super::layout::{ACTIVATION_UNIT_K, BRANCHES, Layout, Place, at};
 use super::series::{Sample, Series};
 
 /// Voltages above these states of charge are tallied apart.
@@ -105,11 +105,6 @@ impl Normal {
 /// The sums of every block of every series at `parameters`, in the order of the series.
 pub fn equations(series: &[Series], layout: &Layout, parameters: &[f64]) -> Vec<Vec<Normal>> {
     series.par_iter().map(|one| of_series(one, layout, parameters)).collect()
-}
-
-/// A value between points.
-fn at(values: &[f64], place: Place) -> f64 {
-    values[place.below] + place.along * (values[place.below + 1] - values[place.below])
 }
 
 /// One RC branch: the voltage per ohm of each point of its resistance, and how the voltage of the

@@ -149,7 +149,7 @@ impl Measured {
                 current_a: current_a[i],
                 voltage_v: self.voltage_v[i],
                 soc,
-                coldness: 1.0 / (self.celsius[i] + KELVIN_AT_0_C) - 1.0 / REFERENCE_K,
+                coldness: coldness(self.celsius[i]),
                 weight: if inside { dt_s.min(LONGEST_WEIGHT_S) } else { 0.0 },
                 ocv: place(&layout.ocv, soc),
                 ohm: place(&layout.ohm, soc),
@@ -159,6 +159,11 @@ impl Measured {
         let samples: Vec<Sample> = samples.collect();
         Series { name: self.name.clone(), samples, blocks: block + 1, free_level: pulses }
     }
+}
+
+/// `1/T − 1/298.15 K` \[1/K\].
+pub fn coldness(celsius: f64) -> f64 {
+    1.0 / (celsius + KELVIN_AT_0_C) - 1.0 / REFERENCE_K
 }
 
 /// The sample at which a sweep has discharged most.

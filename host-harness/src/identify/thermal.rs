@@ -11,6 +11,8 @@ const AMBIENT_K: f64 = 5.0;
 /// A cell must warm by this to tell anything \[K\].
 const TELLING_K: f64 = 1.0;
 const STEPS: usize = 30;
+/// The temperature in the middle of this time is its mean \[s\].
+const START_S: f64 = 10.0;
 /// A new block begins where the state of charge has moved by this.
 const BLOCK_SOC: f64 = 0.1;
 
@@ -46,24 +48,26 @@ pub fn tells(series: &Measured) -> bool {
 
 /// Fits `C·dT/dt = heat − k·(T − T_ambient)` to the series that tell: Gauss-Newton steps in `1/C`
 /// and `k/C`, standard errors by a jackknife over blocks as for the voltage.
-pub fn node(series: &[&Measured], open_circuit_v: impl Fn(f64) -> f64) -> Option<Node> {
-    let mean_w = |s: &&Measured| {
-        let heat = |i: usize| (open_circuit_v(s.soc[i]) - s.voltage_v[i]) * s.current_a[i];
-        (0..s.soc.len()).map(heat).sum::<f64>()
-    };
-    if series.is_empty() || !series.iter().map(mean_w).sum::<f64>().is_normal() {
+pub fn node(
+    series: &[&Measured],
+    open_circuit_v: impl Fn(f64) -> f64,
+    series_ohm: impl Fn(f64, f64) -> f64,
+) -> Option<Node> {
+    if series.is_empty() {
         return None;
     }
+    let heat_w: Vec<Vec<f64>> =
+        series.iter().map(|s| heat_w(s, &open_circuit_v, &series_ohm)).collect();
     // A few tens of joules per kelvin for each ampere-hour's worth of cell, an hour to cool.
     let mut at = Vector2::new(1.0 / 50.0, 1.0 / 500.0);
-    let mut blocks = run(series, &open_circuit_v, at);
+    let mut blocks = run(series, &heat_w, at);
     for _ in 0..STEPS {
         let sum = total(&blocks);
         let step = sum.gram.try_inverse()? * sum.pull;
         let mut length = 1.0;
         loop {
             let next = at + step * length;
-            let tried = run(series, &open_circuit_v, next);
+            let tried = run(series, &heat_w, next);
             if next.min() > 0.0 && total(&tried).squares <= sum.squares {
                 (at, blocks) = (next, tried);
                 break;
@@ -110,23 +114,55 @@ fn total(blocks: &[Block]) -> Block {
     })
 }
 
-fn run(series: &[&Measured], open_circuit_v: &impl Fn(f64) -> f64, at: Vector2<f64>) -> Vec<Block> {
+/// The heat over the step to each sample: what the voltage lacks to the open-circuit voltage, of
+/// which the part in the RC branches moved from what it was at the sample before \[W\].
+fn heat_w(
+    s: &Measured,
+    open_circuit_v: impl Fn(f64) -> f64,
+    series_ohm: impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
+    let mut before_v = 0.0;
+    let heat = |i: usize| {
+        let lacking_v = open_circuit_v(s.soc[i]) - s.voltage_v[i];
+        let branches_v = lacking_v - series_ohm(s.soc[i], s.celsius[i]) * s.current_a[i];
+        let moved_v = if i == 0 { 0.0 } else { branches_v - before_v };
+        before_v = branches_v;
+        (lacking_v - 0.5 * moved_v) * s.current_a[i]
+    };
+    (0..s.soc.len()).map(heat).collect()
+}
+
+/// The temperature near the start, in the middle of so many samples: one alone is coarse.
+fn first_c(s: &Measured, at: usize) -> (f64, usize) {
+    let until_s = s.time_s[at] + START_S;
+    let count = s.time_s[at..].iter().take_while(|t| **t <= until_s).count();
+    #[expect(clippy::cast_precision_loss, reason = "a count")]
+    let mean = s.celsius[at..at + count].iter().sum::<f64>() / count as f64;
+    (mean, count)
+}
+
+fn run(series: &[&Measured], heat_w: &[Vec<f64>], at: Vector2<f64>) -> Vec<Block> {
     let mut blocks = Vec::new();
-    for s in series {
+    for (s, heat_w) in series.iter().zip(heat_w) {
         let longest_s = s.longest_step_s();
         let (mut celsius, mut ambient_c, mut block_soc) =
             (s.celsius[0], s.celsius[0], f64::INFINITY);
-        let mut slope = Vector2::zeros();
+        let (mut slope, mut wait) = (Vector2::zeros(), 0);
         for i in 0..s.time_s.len() {
             if (s.ambient_c[i] - s.celsius[0]).abs() <= AMBIENT_K {
                 ambient_c = s.ambient_c[i];
             }
             let dt_s = if i == 0 { f64::INFINITY } else { s.time_s[i] - s.time_s[i - 1] };
             if dt_s > longest_s {
-                (celsius, slope) = (s.celsius[i], Vector2::zeros());
+                let (mean_c, count) = first_c(s, i);
+                (celsius, slope, wait) = (mean_c, Vector2::zeros(), count / 2);
                 continue;
             }
-            let heat_w = (open_circuit_v(s.soc[i]) - s.voltage_v[i]) * s.current_a[i];
+            if wait > 0 {
+                wait -= 1;
+                continue;
+            }
+            let heat_w = heat_w[i];
             let keep = (-at.y * dt_s).exp();
             let above_k = celsius - ambient_c;
             let way = (1.0 - keep) / at.y;
