@@ -11,6 +11,22 @@ use crate::input_error::{self, InputError, shown};
 /// Samples further apart than this are a gap: what happened in between was not logged \[s\].
 pub const GAP_S: f64 = 5.0;
 
+/// A drive cycle is sampled at least this often \[s\] …
+const CYCLE_SAMPLING_S: f64 = 2.0;
+/// … and logged whole, but for this share of the capacity.
+const UNLOGGED: f64 = 0.01;
+
+/// What kind of test a record is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Slow, and sampled slowly: it tells the open-circuit voltage and the capacity.
+    Sweep,
+    /// Pulses with rests; what flowed in between was not logged.
+    Pulses,
+    /// A drive cycle, logged whole.
+    Cycle,
+}
+
 /// What a test bench recorded, a row per sample. Time rises from row to row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellRecord {
@@ -58,12 +74,48 @@ impl CellRecord {
         steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
     }
 
+    /// What kind of test it is, for a cell of `capacity_ah`; and for what is no drive cycle, why.
+    #[must_use]
+    pub fn kind(&self, capacity_ah: f64) -> (Kind, String) {
+        let sampling_s = self.sampling_s();
+        let unlogged = self.unlogged_ah() / capacity_ah;
+        if sampling_s > CYCLE_SAMPLING_S {
+            (Kind::Sweep, format!("sampled every {sampling_s:.0} s"))
+        } else if unlogged > UNLOGGED {
+            let percent = 100.0 * unlogged;
+            (Kind::Pulses, format!("{percent:.0} % of the capacity flowed within gaps"))
+        } else {
+            (Kind::Cycle, String::new())
+        }
+    }
+
+    /// The current at each sample as it was `delay_s` before, linear between samples \[A\].
+    #[must_use]
+    pub fn delayed_a(&self, delay_s: f64) -> Vec<f64> {
+        delayed(&self.time_s, &self.current_a, delay_s)
+    }
+
     /// The charge that the counter moved by within gaps \[A·h\], without its sign.
     #[must_use]
     pub fn unlogged_ah(&self) -> f64 {
         let steps = self.time_s.windows(2).zip(self.discharged_ah.windows(2));
         steps.filter(|(t, _)| t[1] - t[0] > GAP_S).map(|(_, q)| (q[1] - q[0]).abs()).sum()
     }
+}
+
+/// Values at each time as they were `delay_s` before, linear between samples.
+pub(crate) fn delayed(time_s: &[f64], values: &[f64], delay_s: f64) -> Vec<f64> {
+    let Some(&start_s) = time_s.first() else { return Vec::new() };
+    let mut before = 0;
+    let early = |t: &f64| {
+        let wanted_s = (t - delay_s).max(start_s);
+        while before + 2 < time_s.len() && time_s[before + 1] <= wanted_s {
+            before += 1;
+        }
+        let along = (wanted_s - time_s[before]) / (time_s[before + 1] - time_s[before]);
+        values[before] + along * (values[before + 1] - values[before])
+    };
+    time_s.iter().map(early).collect()
 }
 
 /// Names of the columns; the last may be missing.

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Parser, Subcommand, ValueEnum};
 
+use crate::identify::command as identify;
 use crate::input_error::on_one_line;
 use crate::replay::{self, Options};
 use crate::{measured, soc, validate};
@@ -102,6 +103,11 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Find a model's parameters from measurements, each with its standard error
+    Identify {
+        #[command(subcommand)]
+        what: Identify,
+    },
     /// Print what the length of a step costs in accuracy, as a Markdown table
     Steps,
     /// Run a battery through ten years of driving and charging in steps of 1 s; exit code 1 where
@@ -116,6 +122,12 @@ enum Command {
     },
     /// List the built-in cycles, vehicles and batteries
     List,
+}
+
+#[derive(Debug, Subcommand)]
+enum Identify {
+    /// A battery from trips (of its pack) or from tests of a cell: slow sweep, pulses, drive cycles
+    Battery(identify::Arguments),
 }
 
 /// What of a trip is replayed.
@@ -197,6 +209,10 @@ fn run(command: Command) -> anyhow::Result<bool> {
             let report = validate::endurance::run(years, true)?;
             print(&if json { report.to_json()? } else { report.text() })?;
             Ok(report.is_good())
+        }
+        Command::Identify { what: Identify::Battery(arguments) } => {
+            print(&identify::run(arguments)?)?;
+            Ok(true)
         }
         Command::Steps => {
             print(&validate::step_sizes()?)?;

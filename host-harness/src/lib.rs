@@ -13,6 +13,7 @@
 //! | [`summary`] | the figures of a replay, as JSON |
 //! | [`replay`] | all of it, end to end |
 //! | [`validate`] | every published experiment and an independent solution, against ours |
+//! | [`identify`] | a battery's parameters from measurements |
 //! | [`measured`] | a folder of real measurements, against ours |
 //! | [`soc`] | the estimators of `voltstep-bms` over measurements |
 //!
@@ -26,6 +27,7 @@ pub mod cell;
 pub mod cli;
 pub mod compare;
 pub mod cycle;
+pub mod identify;
 pub mod input_error;
 pub mod measured;
 mod output;

@@ -12,16 +12,12 @@ use serde::Serialize;
 use super::number;
 use super::statistics::{Spread, Summary, spread};
 use crate::battery_file::{self, BatteryFile};
-use crate::cell::{self, CellRecord};
+use crate::cell::{self, CellRecord, Kind};
 use crate::replay;
 use crate::table::table;
 
 /// The built-in cell that is compared where none is named.
 pub const DEFAULT_CELL: &str = "panasonic-ncr18650pf";
-/// A drive cycle is sampled at least this often \[s\] …
-const SAMPLING_S: f64 = 2.0;
-/// … and logged whole, but for this share of the capacity.
-const UNLOGGED: f64 = 0.01;
 /// A chamber that differs from the cell by more at the start was not logged right \[K\].
 const CHAMBER_K: f64 = 5.0;
 
@@ -85,9 +81,9 @@ pub fn run(folder: &Path, cell: &str, dt_ms: f64) -> anyhow::Result<Report> {
         .par_iter()
         .map(|path| {
             let record = cell::read(path)?;
-            match no_drive_cycle(&record, f64::from(cell.battery.capacity_ah)) {
-                Some(why) => Ok(Err(format!("{}: {why}", record.name))),
-                None => Ok(Ok(row(&cell, &record, dt_s)?)),
+            match record.kind(f64::from(cell.battery.capacity_ah)) {
+                (Kind::Cycle, _) => Ok(Ok(row(&cell, &record, dt_s)?)),
+                (_, why) => Ok(Err(format!("{}: {why}", record.name))),
             }
         })
         .collect();
@@ -104,19 +100,6 @@ pub fn run(folder: &Path, cell: &str, dt_ms: f64) -> anyhow::Result<Report> {
     let summary = Summary { count: cells.len(), spreads };
     let wall_s = started.elapsed().as_secs_f64();
     Ok(Report { cell: cell.name, dt_s, cells, summary, skipped, wall_s })
-}
-
-/// Why a record is no drive cycle.
-pub(crate) fn no_drive_cycle(record: &CellRecord, capacity_ah: f64) -> Option<String> {
-    let sampling_s = record.sampling_s();
-    let unlogged = record.unlogged_ah() / capacity_ah;
-    if sampling_s > SAMPLING_S {
-        Some(format!("sampled every {sampling_s:.0} s"))
-    } else if unlogged > UNLOGGED {
-        Some(format!("{:.0} % of the capacity flowed within gaps", 100.0 * unlogged))
-    } else {
-        None
-    }
 }
 
 /// A sum of squares over the samples that have both.
@@ -164,7 +147,7 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Row
     let (mut told, mut alone) = (start, start);
     alone.ambient_c = ambient_c as f32;
 
-    let current_a = delayed(record, cell.current_delay_s);
+    let current_a = record.delayed_a(cell.current_delay_s);
     let mut squares = [Squares::default(), Squares::default(), Squares::default()];
     let mut warmth = Squares::default();
     let mut steps = 0;
@@ -216,22 +199,6 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Row
         temperature_rmse_k: if has_node { warmth.rms() } else { None },
         notes,
     })
-}
-
-/// The current at each sample, as it was `delay_s` before, linear between samples.
-fn delayed(record: &CellRecord, delay_s: f64) -> Vec<f64> {
-    let (t, a) = (&record.time_s, &record.current_a);
-    let mut before = 0;
-    t.iter()
-        .map(|time_s| {
-            let wanted_s = (time_s - delay_s).max(t[0]);
-            while before + 2 < t.len() && t[before + 1] <= wanted_s {
-                before += 1;
-            }
-            let along = (wanted_s - t[before]) / (t[before + 1] - t[before]);
-            a[before] + along * (a[before + 1] - a[before])
-        })
-        .collect()
 }
 
 impl Report {

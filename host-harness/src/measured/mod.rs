@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
+pub(crate) use statistics::spread;
 pub use statistics::{Spread, Summary};
 
 /// The CSV files of a folder, by name.
@@ -30,6 +31,6 @@ pub(crate) fn csv_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn number(x: Option<f64>, digits: usize) -> String {
+pub(crate) fn number(x: Option<f64>, digits: usize) -> String {
     x.filter(|x| x.is_finite()).map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"))
 }

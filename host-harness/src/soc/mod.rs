@@ -16,6 +16,7 @@ pub use figures::Figures;
 pub use report::{Report, Run};
 
 use crate::battery_file::{self, BatteryFile};
+use crate::cell::Kind;
 use crate::measured;
 use samples::Measured;
 
@@ -79,9 +80,10 @@ pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<Report> {
             named.as_ref().unwrap_or(if measured.is_trip() { &pack } else { &cell }).clone();
         let why = match &measured {
             Measured::Cell(record) if of_folder => {
-                let capacity_ah = f64::from(battery.battery.capacity_ah);
-                measured::cells::no_drive_cycle(record, capacity_ah)
-                    .map(|why| format!("{}: {why}", record.name))
+                match record.kind(f64::from(battery.battery.capacity_ah)) {
+                    (Kind::Cycle, _) => None,
+                    (_, why) => Some(format!("{}: {why}", record.name)),
+                }
             }
             _ => None,
         };

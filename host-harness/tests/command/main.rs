@@ -1,5 +1,6 @@
 //! The built command, as a user runs it.
 
+mod identify;
 mod measured;
 mod refusals;
 mod replays;

@@ -1,0 +1,125 @@
+//! What an identification reads, and the capacity it starts from.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail, ensure};
+use rayon::prelude::*;
+
+use super::capacity::{self, Estimate};
+use super::series::Measured;
+use crate::cell::{self, CellRecord};
+use crate::input_error::{self, InputError};
+use crate::trip::{self, Trip};
+
+/// The CSV files that `inputs` name: files, and those in folders.
+///
+/// # Errors
+/// A folder without any, a path that is neither.
+pub fn files(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            files.extend(crate::measured::csv_files(input)?);
+        } else {
+            files.push(input.clone());
+        }
+    }
+    files.sort_unstable();
+    files.dedup();
+    Ok(files)
+}
+
+enum Input {
+    Trip(Box<Trip>),
+    Cell(CellRecord),
+}
+
+fn read_one(path: &Path) -> Result<Input, InputError> {
+    let (file, bytes) = (path.to_string_lossy(), input_error::read(path)?);
+    // Trip files separate their columns by semicolons.
+    let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
+    Ok(if head.contains(&b';') {
+        Input::Trip(Box::new(trip::parse(&file, &bytes)?))
+    } else {
+        Input::Cell(cell::parse(&file, &bytes)?)
+    })
+}
+
+/// Reads trips or tests of a cell.
+///
+/// # Errors
+/// A file that is neither; both kinds together.
+pub fn read(paths: &[PathBuf]) -> anyhow::Result<(Vec<Trip>, Vec<CellRecord>)> {
+    let inputs: Result<Vec<Input>, InputError> = paths.par_iter().map(|p| read_one(p)).collect();
+    let (mut trips, mut cells) = (Vec::new(), Vec::new());
+    for input in inputs? {
+        match input {
+            Input::Trip(trip) => trips.push(*trip),
+            Input::Cell(record) => cells.push(record),
+        }
+    }
+    ensure!(
+        trips.is_empty() || cells.is_empty(),
+        "trips and tests of a cell together: they are not of one battery"
+    );
+    Ok((trips, cells))
+}
+
+/// The capacity, and the trips that can be trusted.
+pub fn from_trips(
+    trips: Vec<Trip>,
+    given_ah: Option<f64>,
+    notes: &mut Vec<String>,
+) -> anyhow::Result<(Estimate, Vec<Measured>)> {
+    let rough = given_ah.or_else(|| capacity::rough(&trips));
+    let rough = rough.context("no trip moves the state of charge enough to tell the capacity")?;
+    let mut fit = Vec::new();
+    for trip in trips {
+        let reasons = trip.unfit(rough);
+        if trip.first_soc().is_none() {
+            notes.push(format!("{}: left out: no state of charge", trip.name));
+        } else if reasons.is_empty() {
+            fit.push(trip);
+        } else {
+            notes.push(format!("{}: left out: {}", trip.name, reasons.join("; ")));
+        }
+    }
+    let capacity = match given_ah {
+        Some(value) => Estimate { value, error: f64::NAN },
+        None => capacity::of_trips(&fit)
+            .context("fewer than three trips tell the capacity: give more, or --capacity-ah")?,
+    };
+    if fit.iter().any(|t| t.battery_c.iter().all(|c| c.is_nan())) {
+        notes.push("trips without a battery temperature are taken at 25 °C".to_owned());
+    }
+    Ok((capacity, fit.iter().map(|t| Measured::of_trip(t, capacity.value)).collect()))
+}
+
+/// The capacity, and the tests.
+pub fn from_cells(
+    cells: &[CellRecord],
+    given_ah: Option<f64>,
+    notes: &mut Vec<String>,
+) -> anyhow::Result<(Estimate, Vec<Measured>)> {
+    let sweep = cells.iter().find_map(|c| Some((c, capacity::of_sweep(c)?)));
+    let capacity = match (given_ah, sweep) {
+        (Some(value), _) => Estimate { value, error: f64::NAN },
+        (None, Some((record, capacity))) => {
+            let before_ah = -record.discharged_ah[0];
+            if before_ah > 3.0 * capacity.error {
+                notes.push(format!(
+                    "{}: the sweep begins {:.1} % above full (where the counter is 0): the \
+                     capacity counts from full",
+                    record.name,
+                    100.0 * before_ah / capacity.value
+                ));
+            }
+            capacity
+        }
+        (None, None) => bail!(
+            "no slow discharge of a full cell among the tests tells the capacity: give one, or \
+             --capacity-ah"
+        ),
+    };
+    Ok((capacity, cells.iter().map(|c| Measured::of_cell(c, capacity.value)).collect()))
+}
