@@ -14,8 +14,8 @@
 //!   this, changes of the load would seem to tell the state of charge apart from the error.
 //! - **Faster errors** (the model's dynamics) are correlated over seconds: in a step they count as
 //!   noise with the same spectral density.
-//! - **The curve bends**: the least slope within three standard deviations counts; a curve that is
-//!   steep on one side only says little.
+//! - **The curve bends**: of its mean slopes within three standard deviations the least counts; a
+//!   curve that is steep on one side only says little.
 //! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of
 //!   more than three standard deviations says that the battery has left the flat part, and where to.
 //! - **Drift**: offset of the current sensor and error of the capacity, as a random walk that
@@ -265,7 +265,8 @@ impl Ekf {
         let residual_v = voltage_v - (open_circuit_v + state.error_v - drop_v);
         let noise_v2 = state.noise_v2 + state.load_noise_ohm2 * (current_a * current_a);
         let correction = Correction::new(state, state.slope_v, noise_v2);
-        if (correction.soc_per_v * residual_v).abs() > LARGE_CORRECTION
+        if correction.soc_per_v < 0.0
+            || (correction.soc_per_v * residual_v).abs() > LARGE_CORRECTION
             || residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER
         {
             return self.surprise(state, residual_v, noise_v2);
@@ -297,7 +298,9 @@ impl Ekf {
     }
 
     /// A large correction with the mean slope of the curve on its way: where the curve bends, the
-    /// slope at its start would lead astray. A residual that is no measurement corrects nothing.
+    /// slope at its start would lead astray. A residual that is no measurement corrects nothing,
+    /// nor does one that would lower the state of charge for a voltage that is too high: that comes
+    /// of a slope that was another one when the model's error was learnt, not of the battery.
     #[cold]
     #[inline(never)]
     fn surprise(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
@@ -313,15 +316,15 @@ impl Ekf {
             correction = Correction::new(state, slope, noise_v2);
         }
         state.residual_sum_v += residual_v;
-        if residual_v * residual_v * correction.per_total <= OUTLIER * OUTLIER {
+        if residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER {
+            self.distrust(state);
+        } else if correction.soc_per_v >= 0.0 {
             state.rise += correction.soc_per_v * residual_v;
             state.error_v += correction.error_gain * residual_v;
             self.follow_curve(state);
             // What is learnt is less than the mean slope says where the curve is flatter nearby.
             let slope_v = min(state.slope_v, correction.slope_v);
             Correction::new(state, slope_v, noise_v2).shrink(state, noise_v2);
-        } else {
-            self.distrust(state);
         }
         EkfOutput { residual_v, rejected: false }
     }

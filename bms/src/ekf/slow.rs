@@ -26,6 +26,8 @@ const DISTRUST: Real = 0.003;
 const RESIDUAL_S: Real = 10.0;
 /// The noise of a voltage that says nothing \[V²\].
 const SILENT_V2: Real = 1e9;
+/// A way too short for a mean slope: rounding would be in it.
+const SHORT_WAY: Real = 1e-3;
 /// Temperatures outside are no measurement \[°C\].
 const TEMPERATURES_C: core::ops::RangeInclusive<Real> = -100.0..=200.0;
 
@@ -259,25 +261,36 @@ impl Ekf {
         }
     }
 
-    /// The curve's tangent, and its least slope within three standard deviations.
+    /// The curve's tangent, and its least mean slope over one and a half standard deviations
+    /// within three.
     pub(super) fn follow_curve(&self, state: &mut EkfState) {
         let soc = state.soc();
         let sd = sqrt(state.variance());
         let (open_circuit_v, tangent_v) = self.open_circuit(soc);
         let hysteresis_v = self.params.battery.hysteresis.half_gap_v * state.slow.hysteresis;
-        state.slope_v = tangent_v;
-        for way in [-3.0, -1.5, 1.5, 3.0] {
-            let (_, slope_v) = self.open_circuit(clamp(soc + way * sd, 0.0, 1.0));
-            state.slope_v = min(state.slope_v, slope_v);
-        }
         state.tangent_v = tangent_v;
         state.open_circuit_v = open_circuit_v + hysteresis_v - tangent_v * state.rise;
+        state.slope_v = tangent_v;
+        for reach in [-1.5 * sd, 1.5 * sd] {
+            let (mut from, mut from_v) = (soc, open_circuit_v);
+            for _ in 0..2 {
+                let to = clamp(from + reach, 0.0, 1.0);
+                let (to_v, _) = self.open_circuit(to);
+                if (to - from).abs() > SHORT_WAY {
+                    state.slope_v = min(state.slope_v, (to_v - from_v) / (to - from));
+                }
+                (from, from_v) = (to, to_v);
+            }
+        }
     }
 
-    /// How many times larger the model's error is here.
+    /// How many times larger the model's error is here: outside the identified range by more than
+    /// what is not known of the state of charge.
     fn outside(&self, state: &EkfState) -> Real {
         let range = &self.params.battery.identified;
-        if range.holds(state.soc(), state.slow.temperature_c) {
+        let (soc, sd) = (state.soc(), sqrt(state.variance()));
+        let nearest = clamp(clamp(soc, range.soc_min, range.soc_max), soc - sd, soc + sd);
+        if range.holds(nearest, state.slow.temperature_c) {
             1.0
         } else {
             self.params.uncertainty.outside_factor

@@ -17,13 +17,18 @@ use defmt_semihosting as _;
 use panic_halt as _;
 use plant_core::energy::NoLedger;
 use semihosting::process::ExitCode;
-use voltstep_trace::{Rig, Run};
+use voltstep_trace::{Monitor, Rig, Run};
 
 /// The vehicle, checked and discretised by the compiler.
 #[cfg(not(feature = "bmw-i3"))]
 const RIG: Rig<NoLedger> = voltstep_trace::EPOWERTRAIN;
 #[cfg(feature = "bmw-i3")]
 const RIG: Rig<NoLedger> = voltstep_trace::BMW_I3;
+/// The estimators of its battery.
+#[cfg(not(feature = "bmw-i3"))]
+const MONITOR: Monitor = voltstep_trace::EPOWERTRAIN_MONITOR;
+#[cfg(feature = "bmw-i3")]
+const MONITOR: Monitor = voltstep_trace::BMW_I3_MONITOR;
 
 /// The loop, between the interrupt and `main`.
 static RUN: Mutex<RefCell<Option<Run<NoLedger>>>> = Mutex::new(RefCell::new(None));
@@ -33,7 +38,7 @@ const SHOWN: Option<&str> = option_env!("VOLTSTEP_BLOCK");
 
 #[entry]
 fn main() -> ! {
-    let Ok(run) = Run::new(&RIG) else {
+    let Ok(run) = Run::new(&RIG, &MONITOR) else {
         defmt::error!("the preset does not start");
         ExitCode::FAILURE.exit_process();
     };
@@ -52,7 +57,7 @@ fn main() -> ! {
             );
         }
         if run.ended() {
-            let believed = RIG.monitor.ekf.estimate(&run.monitor.ekf);
+            let believed = MONITOR.ekf.estimate(&run.monitor.ekf);
             defmt::info!(
                 "result hash {=u64:016x} {=u64:016x} soc {=f32} distance_m {=f32} rejected {=bool} \
                  ekf {=f32} ± {=f32} counted {=f32}",
@@ -63,7 +68,7 @@ fn main() -> ! {
                 run.rejected(),
                 believed.soc,
                 believed.soc_sd,
-                RIG.monitor.counter.soc(&run.monitor.counter)
+                MONITOR.counter.soc(&run.monitor.counter)
             );
             ExitCode::SUCCESS.exit_process();
         }
@@ -76,7 +81,7 @@ fn SysTick() {
     cortex_m::interrupt::free(|cs| {
         if let Some(run) = RUN.borrow(cs).borrow_mut().as_mut() {
             let (step, block) = (run.steps(), run.steps() / voltstep_trace::STEPS_PER_BLOCK);
-            let frame = run.step(&RIG);
+            let frame = run.step(&RIG, &MONITOR);
             if SHOWN.is_some_and(|shown| shown.parse() == Ok(block)) {
                 defmt::trace!("frame {=u32} {:08x}", step, frame.0.as_slice());
             }

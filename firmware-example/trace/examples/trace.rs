@@ -3,14 +3,16 @@
 //! `fields NAMES`, then `block N HASH HASH` (plant, estimators) after each block; with a BLOCK also every frame in it.
 
 use plant_core::energy::NoLedger;
-use voltstep_trace::{BMW_I3, EPOWERTRAIN, Frame, Rig, Run};
+use voltstep_trace::{
+    BMW_I3, BMW_I3_MONITOR, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run,
+};
 
 fn main() {
     let mut words = std::env::args().skip(1);
     let (vehicle, block) = (words.next(), words.next().and_then(|word| word.parse().ok()));
     match vehicle.as_deref() {
-        Some("epowertrain-udds") => print(&EPOWERTRAIN, block),
-        Some("bmw-i3-60ah") => print(&BMW_I3, block),
+        Some("epowertrain-udds") => print(&EPOWERTRAIN, &EPOWERTRAIN_MONITOR, block),
+        Some("bmw-i3-60ah") => print(&BMW_I3, &BMW_I3_MONITOR, block),
         _ => {
             eprintln!("usage: trace epowertrain-udds|bmw-i3-60ah [BLOCK]");
             std::process::exit(2);
@@ -18,13 +20,13 @@ fn main() {
     }
 }
 
-fn print(rig: &Rig<NoLedger>, wanted: Option<u32>) {
-    let mut run = Run::new(rig).expect("the preset starts");
+fn print(rig: &Rig<NoLedger>, monitor: &Monitor, wanted: Option<u32>) {
+    let mut run = Run::new(rig, monitor).expect("the preset starts");
     println!("fields {}", Frame::FIELDS.join(" "));
     let mut block = 0;
     while !run.ended() {
         let step = run.steps();
-        let frame = run.step(rig);
+        let frame = run.step(rig, monitor);
         if wanted == Some(block) {
             println!("frame {step} {:08x?}", frame.0);
         }
@@ -33,7 +35,7 @@ fn print(rig: &Rig<NoLedger>, wanted: Option<u32>) {
             block = completed + 1;
         }
     }
-    let believed = rig.monitor.ekf.estimate(&run.monitor.ekf);
+    let believed = monitor.ekf.estimate(&run.monitor.ekf);
     println!(
         "result hash {:016x} {:016x} soc {} distance_m {} rejected {} ekf {} ± {} counted {}",
         run.hash(),
@@ -43,6 +45,6 @@ fn print(rig: &Rig<NoLedger>, wanted: Option<u32>) {
         run.rejected(),
         believed.soc,
         believed.soc_sd,
-        rig.monitor.counter.soc(&run.monitor.counter)
+        monitor.counter.soc(&run.monitor.counter)
     );
 }

@@ -44,3 +44,9 @@ pub const EPOWERTRAIN_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&EPOWER
 pub const BMW_I3: Rig<NoLedger> = must!(Rig::new(&BMW_I3_60AH, DT));
 /// The same with its energy ledger.
 pub const BMW_I3_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&BMW_I3_60AH, DT));
+
+/// The estimators of the first's battery. Apart from the plant, whose coefficients are few.
+pub const EPOWERTRAIN_MONITOR: Monitor =
+    must!(Monitor::new(EPOWERTRAIN_UDDS.powertrain.battery, 550.0));
+/// Those of the car's.
+pub const BMW_I3_MONITOR: Monitor = must!(Monitor::new(BMW_I3_60AH.powertrain.battery, 370.0));

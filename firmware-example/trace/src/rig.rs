@@ -8,11 +8,6 @@ use plant_core::sources::TimeTableOutput;
 use plant_core::{Accum, Dt, ParamError};
 use voltstep_bms::ekf::EkfState;
 
-use crate::monitor::Monitor;
-
-/// The voltage at half charge, near enough for what is not known of a battery \[V\].
-const NOMINAL_V: f32 = 400.0;
-
 /// A plant and who drives it.
 #[derive(Clone, Copy, Debug)]
 pub struct Rig<L> {
@@ -20,8 +15,6 @@ pub struct Rig<L> {
     pub plant: Powertrain<L>,
     /// The driver.
     pub driver: Driver,
-    /// The estimators beside it.
-    pub monitor: Monitor,
     initial_soc: f32,
 }
 
@@ -64,13 +57,8 @@ impl Rig<EnergyLedger> {
 
 impl<L: Copy> Rig<L> {
     const fn driven(plant: Powertrain<L>, vehicle: &Vehicle, dt: Dt) -> Result<Self, ParamError> {
-        let driver = match Driver::new(vehicle.driver, &vehicle.powertrain, dt) {
-            Ok(driver) => driver,
-            Err(error) => return Err(error),
-        };
-        let battery = vehicle.powertrain.battery;
-        match Monitor::new(battery, NOMINAL_V) {
-            Ok(monitor) => Ok(Self { plant, driver, monitor, initial_soc: vehicle.initial_soc }),
+        match Driver::new(vehicle.driver, &vehicle.powertrain, dt) {
+            Ok(driver) => Ok(Self { plant, driver, initial_soc: vehicle.initial_soc }),
             Err(error) => Err(error),
         }
     }

@@ -4,7 +4,7 @@ use plant_core::ParamError;
 use plant_core::energy::Book;
 use plant_core::sources::TimeTableState;
 
-use crate::monitor::MonitorState;
+use crate::monitor::{Monitor, MonitorState};
 use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK};
 
 /// A vehicle on its way along the cycle, and the hash of all that was.
@@ -26,22 +26,22 @@ impl<L: Book> Run<L> {
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] for a vehicle whose state of charge is none.
-    pub fn new(rig: &Rig<L>) -> Result<Self, ParamError> {
+    pub fn new(rig: &Rig<L>, monitor: &Monitor) -> Result<Self, ParamError> {
         let state = rig.start()?;
-        let monitor = rig.monitor.start(rig.initial_soc())?;
+        let monitor = monitor.start(rig.initial_soc())?;
         let (clock, hash) = (TimeTableState::default(), Fnv1a::default());
         Ok(Self { state, monitor, clock, hash, estimators: hash, steps: 0, rejected: false })
     }
 
     /// One step: reference, driver, plant, estimators, hash. What it left behind.
     #[inline]
-    pub fn step(&mut self, rig: &Rig<L>) -> Frame {
+    pub fn step(&mut self, rig: &Rig<L>, monitor: &Monitor) -> Frame {
         let reference = REFERENCE.step(&mut self.clock, ());
         let pack = rig.step(&mut self.state, reference);
         self.rejected |= pack.rejected;
-        rig.monitor.step(&mut self.monitor, self.steps, &pack);
+        monitor.step(&mut self.monitor, self.steps, &pack);
         self.steps += 1;
-        let counted_soc = rig.monitor.counter.soc(&self.monitor.counter);
+        let counted_soc = monitor.counter.soc(&self.monitor.counter);
         let frame = Frame::of(&self.state, &self.monitor.ekf, counted_soc);
         let (plant, estimators) = frame.0.split_at(Frame::PLANT);
         for word in plant {

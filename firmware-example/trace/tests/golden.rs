@@ -1,15 +1,18 @@
 //! This machine ends where the golden file says, with the same bits all the way.
 
 use plant_core::energy::NoLedger;
-use voltstep_trace::{BLOCKS, BMW_I3, CYCLE, EPOWERTRAIN, Fnv1a, Rig, Run};
+use voltstep_trace::{
+    BLOCKS, BMW_I3, BMW_I3_MONITOR, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Monitor, Rig,
+    Run,
+};
 
 const GOLDEN: &str = include_str!("../../golden.toml");
 
 /// The section that a run would have in the golden file.
-fn section(name: &str, rig: &Rig<NoLedger>) -> String {
-    let mut run = Run::new(rig).unwrap();
+fn section(name: &str, rig: &Rig<NoLedger>, monitor: &Monitor) -> String {
+    let mut run = Run::new(rig, monitor).unwrap();
     while !run.ended() {
-        run.step(rig);
+        run.step(rig, monitor);
     }
     assert!(!run.rejected());
     let plant = run.state.plant;
@@ -24,18 +27,21 @@ fn section(name: &str, rig: &Rig<NoLedger>) -> String {
 
 #[test]
 fn the_bits_are_golden() {
-    for (name, rig) in [("epowertrain-udds", EPOWERTRAIN), ("bmw-i3-60ah", BMW_I3)] {
-        let found = section(name, &rig);
+    for (name, rig, monitor) in [
+        ("epowertrain-udds", EPOWERTRAIN, EPOWERTRAIN_MONITOR),
+        ("bmw-i3-60ah", BMW_I3, BMW_I3_MONITOR),
+    ] {
+        let found = section(name, &rig, &monitor);
         assert!(GOLDEN.contains(&found), "golden.toml does not say:\n{found}");
     }
 }
 
 #[test]
 fn one_bit_changes_the_hash() {
-    let mut runs = [Run::new(&EPOWERTRAIN).unwrap(); 2];
+    let mut runs = [Run::new(&EPOWERTRAIN, &EPOWERTRAIN_MONITOR).unwrap(); 2];
     let soc = &mut runs[1].state.plant.battery.soc;
     *soc = plant_core::Accum::new(soc.get().next_up());
-    let frames = runs.each_mut().map(|run| run.step(&EPOWERTRAIN));
+    let frames = runs.each_mut().map(|run| run.step(&EPOWERTRAIN, &EPOWERTRAIN_MONITOR));
     assert_ne!(frames[0], frames[1]);
     assert_ne!(runs[0].hash(), runs[1].hash());
 }
@@ -43,16 +49,16 @@ fn one_bit_changes_the_hash() {
 /// The plant is the pack: estimators that see it through bad sensors find its state of charge.
 #[test]
 fn the_estimators_find_the_state_of_charge() {
-    for rig in [EPOWERTRAIN, BMW_I3] {
-        let mut run = Run::new(&rig).unwrap();
+    for (rig, monitor) in [(EPOWERTRAIN, EPOWERTRAIN_MONITOR), (BMW_I3, BMW_I3_MONITOR)] {
+        let mut run = Run::new(&rig, &monitor).unwrap();
         while !run.ended() {
-            run.step(&rig);
+            run.step(&rig, &monitor);
         }
         let truth = run.state.plant.battery.soc.get();
-        let believed = rig.monitor.ekf.estimate(&run.monitor.ekf);
+        let believed = monitor.ekf.estimate(&run.monitor.ekf);
         let error = (believed.soc - truth).abs();
         assert!(error < 0.03 && error < 3.0 * believed.soc_sd, "{truth} {believed:?}");
-        let counted = rig.monitor.counter.soc(&run.monitor.counter);
+        let counted = monitor.counter.soc(&run.monitor.counter);
         assert!((0.08..0.12).contains(&(truth - counted)), "{truth} {counted}: cannot know");
     }
 }

@@ -19,9 +19,12 @@ const LONGEST_LOG_STEP: f64 = 1.0;
 /// Damping at the start, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
 /// Neighbouring points of a table pull on each other by this share of what the samples of a point
-/// do: that tells where no sample does.
-const SMOOTHING_V: f64 = 1e-5;
-const SMOOTHING_OHM: f64 = 1e-3;
+/// do. Residuals follow each other for minutes, so that thousands of samples tell a point no better
+/// than ten independent ones would: without a pull each point follows its own passage of a drive.
+const SMOOTHING_V: f64 = 0.1;
+const SMOOTHING_OHM: f64 = 3e-3;
+/// Likewise the activation temperatures.
+const TIE_ACTIVATION: f64 = 3e-3;
 /// A share of the diagonal that keeps what no sample moves from being singular.
 const RIDGE: f64 = 1e-10;
 
@@ -296,7 +299,7 @@ fn to_steps(layout: &Layout, values: &[f64]) -> DVector<f64> {
     })
 }
 
-/// What second differences of the tables cost.
+/// What second differences of the tables cost, and differences of the activation temperatures.
 fn penalty(layout: &Layout, gram: &DMatrix<f64>) -> DMatrix<f64> {
     let mut penalty = DMatrix::zeros(layout.len(), layout.len());
     let tables =
@@ -312,6 +315,16 @@ fn penalty(layout: &Layout, gram: &DMatrix<f64>) -> DMatrix<f64> {
                 }
             }
         }
+    }
+    // What warms the one warms the others: activation temperatures that nothing tells are alike.
+    let first = layout.activation(0);
+    let tie = TIE_ACTIVATION * gram[(first, first)];
+    for branch in 1..BRANCHES {
+        let other = layout.activation(branch);
+        penalty[(first, first)] += tie;
+        penalty[(other, other)] += tie;
+        penalty[(first, other)] -= tie;
+        penalty[(other, first)] -= tie;
     }
     penalty
 }

@@ -7,13 +7,11 @@ fn refuses_what_tells_no_battery_and_keeps_an_earlier_file() {
     let sandbox = Sandbox::new();
     sandbox.write("cell.toml", "earlier");
     let header = "time_s,current_a,voltage_v,discharged_ah,cell_temperature_c\n";
-    let rows = |amps: f64| -> String {
-        (0..2000)
-            .map(|s| {
-                let used_ah = amps * f64::from(s) / 3600.0;
-                format!("{s},{amps},{:.4},{used_ah:.5},25\n", 4.1 - 0.3 * used_ah)
-            })
-            .collect()
+    let rows = |amps: f64| {
+        (0..2000).fold(String::new(), |text, s| {
+            let used_ah = amps * f64::from(s) / 3600.0;
+            text + &format!("{s},{amps},{:.4},{used_ah:.5},25\n", 4.1 - 0.3 * used_ah)
+        })
     };
     sandbox.write("steady.csv", format!("{header}{}", rows(2.0)));
     sandbox.write("short.csv", format!("{header}{}", rows(0.1)));

@@ -7,7 +7,7 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use panic_halt as _;
-use voltstep_bench::{fast, items, pids};
+use voltstep_bench::{estimators, fast, items, pids};
 
 const ITEM: &str = match option_env!("VOLTSTEP_ITEM") {
     Some(item) => item,
@@ -34,6 +34,10 @@ fn main() -> ! {
     );
     keep!(pids: bench_pi bench_pi_ram bench_pi_pid bench_pi_idsp bench_pi_idsp_ram);
     keep!(fast: bench_num_sqrt bench_fast_sqrt bench_num_exp bench_fast_exp);
+    keep!(
+        estimators: bench_ekf_update bench_ekf_refresh bench_counter_step bench_counter_review
+        bench_cells bench_kalman
+    );
     loop {
         cortex_m::asm::nop();
     }
