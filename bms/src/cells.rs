@@ -3,11 +3,11 @@
 use core::hint::cold_path;
 
 use plant_core::error::{above, positive, ratio};
-use plant_core::num::{SocTable, clamp, sane, sound};
+use plant_core::num::{clamp, sane, sound};
 use plant_core::{Dt, ParamError, Real, check};
 
 use crate::Estimate;
-use crate::curve::{INTERVALS, as_table, tangent};
+use crate::curve::{INTERVALS, Tangents, as_table};
 
 mod params;
 mod spread;
@@ -72,7 +72,7 @@ pub use spread::{CellSoc, SocSpread};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells {
-    curve: SocTable,
+    tangents: Tangents,
     /// In each interval of the curve, the noise and what the tangent there is wrong by \[V²\].
     noise_variances: [Real; INTERVALS],
     offset_sd_v: Real,
@@ -164,7 +164,7 @@ impl Cells {
         check!(cell_v("cells.open_circuit", *empty_v));
         check!(cell_v("cells.open_circuit", *full_v));
         Ok(Self {
-            curve,
+            tangents: Tangents::of(&curve),
             noise_variances: noise_variances(&curve, noise_sd_v, soc_sd, dt),
             offset_sd_v: check!(ratio("cells.offset_sd_v", params.offset_sd_v)),
             resistance_sd_ohm: check!(ratio("cells.resistance_sd_ohm", params.resistance_sd_ohm)),
@@ -222,7 +222,7 @@ impl Cells {
             base_v: 0.0,
             resistance_v: self.resistance_sd_ohm * input.current_a,
         };
-        let (_, pack_v, _) = tangent(&self.curve, state.pack_soc);
+        let (_, pack_v, _) = self.tangents.at(state.pack_soc);
         match self.mean_of_all(input.cell_v) {
             Some(mean_v) if usable => {
                 let seen = Seen { base_v: mean_v - pack_v - state.bend_v, ..seen };
@@ -256,7 +256,7 @@ impl Cells {
         for (cell, voltage_v) in state.cells.iter().zip(cell_v) {
             sum_soc += cell.soc;
             if usable && self.plausible(*voltage_v) {
-                expected_sum_v += tangent(&self.curve, seen.pack_soc + cell.soc).1;
+                expected_sum_v += self.tangents.at(seen.pack_soc + cell.soc).1;
                 sum_v += voltage_v;
                 count += 1.0;
             } else {
@@ -267,7 +267,7 @@ impl Cells {
         if count > 0.0 {
             seen.base_v = (sum_v - expected_sum_v) / count;
             seen.mean_soc = sum_soc / count;
-            state.bend_v = expected_sum_v / count - tangent(&self.curve, seen.pack_soc).1;
+            state.bend_v = expected_sum_v / count - self.tangents.at(seen.pack_soc).1;
             state.mean_soc = 0.0;
             state.others_variance = held_variance / (count * count);
         }
@@ -308,18 +308,16 @@ impl Cells {
     fn correct(&self, cell: &mut Cell, seen: &Seen, voltage_v: Real) -> Real {
         // The pack's state of charge is the cells' mean, so theirs above it is none.
         let soc = cell.soc - seen.mean_soc;
-        let (interval, expected_v, slope_v) = tangent(&self.curve, seen.pack_soc + soc);
+        let (interval, expected_v, slope_v) = self.tangents.at(seen.pack_soc + soc);
         let noise_variance = self.noise_variances[interval];
         let (soc_variance, of_capacity) =
             (cell.variance + self.drift_variance, cell.of_capacity + seen.of_capacity);
         // What one standard deviation of each makes of the voltage that is not expected.
         let offset_v = slope_v * cell.of_offset + self.offset_sd_v;
         let resistance_v = slope_v * cell.of_resistance + seen.resistance_v;
-        let capacity_v = slope_v * of_capacity;
-        let covariance = slope_v * soc_variance
+        let covariance = slope_v * (soc_variance + of_capacity * of_capacity)
             + cell.of_offset * offset_v
-            + cell.of_resistance * resistance_v
-            + of_capacity * capacity_v;
+            + cell.of_resistance * resistance_v;
         let variance = slope_v * covariance
             + self.offset_sd_v * offset_v
             + seen.resistance_v * resistance_v

@@ -119,9 +119,10 @@ pub struct CoulombCounter {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CoulombState {
-    /// Since the last review: the sum of the currents, the last of them \[A\], steps, and those of
-    /// them without a reading.
-    net_a: Accum,
+    /// Since the last review: the sum of the currents but the last, and the last with what that sum
+    /// has rounded away \[A\]; steps, and those of them without a reading. A sum that is compensated
+    /// one sample later keeps the last sample at no cost.
+    earlier_a: Real,
     last_a: Real,
     steps: u32,
     missed_steps: u32,
@@ -170,7 +171,7 @@ const UNKNOWN_SD: Real = 0.288_675_13;
 impl CoulombState {
     const fn anchored(soc: Real, soc_sd: Real) -> Self {
         Self {
-            net_a: Accum::new(0.0),
+            earlier_a: 0.0,
             last_a: 0.0,
             steps: 0,
             missed_steps: 0,
@@ -182,6 +183,12 @@ impl CoulombState {
             unseen_soc: Accum::new(0.0),
             rested_s: Accum::new(0.0),
         }
+    }
+
+    /// The sum of the currents since the last review \[A\].
+    #[inline]
+    const fn net_a(&self) -> Real {
+        self.earlier_a + self.last_a
     }
 
     /// Nothing is known.
@@ -261,8 +268,9 @@ impl CoulombCounter {
     pub const fn step(&self, state: &mut CoulombState, input: CoulombInput) {
         state.steps = state.steps.wrapping_add(1);
         if input.current_a.abs() <= self.largest_current_a {
-            state.net_a.add(input.current_a);
-            state.last_a = input.current_a;
+            let net_a = state.net_a();
+            let lost_a = (net_a - state.earlier_a) - state.last_a;
+            (state.earlier_a, state.last_a) = (net_a, input.current_a - lost_a);
         } else {
             state.missed_steps = state.missed_steps.wrapping_add(1);
         }
@@ -278,7 +286,7 @@ impl CoulombCounter {
     /// Charge taken out since the last review, as SOC.
     #[inline]
     fn taken_soc(&self, state: &CoulombState) -> Real {
-        let net_a = state.net_a.get();
+        let net_a = state.net_a();
         clamp((net_a + self.charge_loss * max(-net_a, 0.0)) * self.soc_per_a, -1.0, 1.0)
     }
 
@@ -334,9 +342,9 @@ impl CoulombCounter {
         state.rested_s.add(elapsed_s);
         // The mean, and one sample of it: a ripple without a mean would bend the voltage too.
         let resting = state.missed_steps == 0
-            && state.net_a.get().abs() <= self.rest_current_a * steps
+            && state.net_a().abs() <= self.rest_current_a * steps
             && state.last_a.abs() <= self.rest_current_a;
-        state.net_a = Accum::new(0.0);
+        (state.earlier_a, state.last_a) = (0.0, 0.0);
         (state.steps, state.missed_steps) = (0, 0);
         resting
     }

@@ -1,5 +1,5 @@
 use plant_core::battery::OpenCircuit;
-use plant_core::num::sqrt;
+use plant_core::num::{SocTable, sqrt};
 
 use super::*;
 
