@@ -3,7 +3,6 @@
 //! Real measurements are not part of the project: `VOLTSTEP_DATA` names the folder that has them
 //! in `bmw-i3-trips/*.csv`. With `--nocapture` every trip prints a row of figures.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use plant_core::body::RoadResistance;
@@ -43,26 +42,8 @@ fn synthetic() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/trips/synthetic.csv")
 }
 
-/// The real trips; none where there are none, which is said aloud.
 fn real_trips() -> Vec<PathBuf> {
-    let Some(data) = std::env::var_os("VOLTSTEP_DATA").filter(|value| !value.is_empty()) else {
-        // Not by a macro: the test runner keeps to itself what a test that passes prints.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED tests on real measurements: set VOLTSTEP_DATA to the folder that has them"
-        );
-        return Vec::new();
-    };
-    let folder = Path::new(&data).join("bmw-i3-trips");
-    let entries = std::fs::read_dir(&folder)
-        .unwrap_or_else(|e| panic!("VOLTSTEP_DATA has no {}: {e}", folder.display()));
-    let mut trips: Vec<_> = entries
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "csv"))
-        .collect();
-    trips.sort_unstable();
-    assert!(!trips.is_empty(), "no trip in {}", folder.display());
-    trips
+    voltstep_tests::real_files("bmw-i3-trips")
 }
 
 fn options(mode: Mode, dt_ms: f64) -> Options {

@@ -1,5 +1,6 @@
 //! What was linked for the target: no panic, no double precision, no allocator, in an image that
-//! keeps every public function of plant-core. Each check is run on an image that must fail it.
+//! keeps every public function of the crates that run there. Each check is run on an image that
+//! must fail it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,8 @@ use crate::firmware;
 use crate::shell::{output, program};
 
 const PACKAGE: &str = "voltstep-keep-all";
-const SOURCES: &str = "plant-core/src";
+/// The crates that it must hold, and where their sources lie.
+const CRATES: &[(&str, &str)] = &[("plant_core", "plant-core/src"), ("voltstep_bms", "bms/src")];
 const LIST: &str = "firmware-example/keep-all/src/main.rs";
 
 /// One thing that must not be linked.
@@ -36,7 +38,13 @@ const OTHERWISE: &[(&str, &[&str])] = &[
     ("$sensor", &["VoltageSensor", "CurrentSensor"]),
 ];
 /// Files that only a feature compiles.
-const OPTIONAL: &[&str] = &["num/fast.rs", "num/table_serde.rs"];
+const OPTIONAL: &[&str] = &[
+    "plant-core/src/num/fast.rs",
+    "plant-core/src/num/table_serde.rs",
+    "bms/src/smart_battery.rs",
+];
+/// Modules whose functions belong to no type.
+const MODULES: &[&str] = &["num", "port", "error"];
 
 pub fn is_panic(symbol: &str) -> bool {
     symbol.contains("core::panicking") || symbol.contains("rust_begin_unwind")
@@ -63,7 +71,9 @@ pub fn image() -> Result<()> {
     ensure!(missing.is_empty(), "{LIST} does not keep {}", missing.join(", "));
     let mut found = String::new();
     let symbols = symbols(None)?;
-    ensure!(symbols.iter().any(|s| s.contains("plant_core")), "the image has nothing in it");
+    for (name, _) in CRATES {
+        ensure!(symbols.iter().any(|s| s.contains(name)), "the image has nothing of {name}");
+    }
     for check in CHECKS {
         let here: Vec<_> = symbols.iter().filter(|s| (check.forbids)(s)).collect();
         if !here.is_empty() {
@@ -96,10 +106,14 @@ fn symbol(line: &str) -> Option<&str> {
 /// The public functions that the image does not keep.
 fn missing() -> Result<Vec<String>> {
     let list = fs::read_to_string(firmware::root().join(LIST)).context(LIST)?;
-    let sources = firmware::root().join(SOURCES);
+    let root = firmware::root();
+    let mut files = Vec::new();
+    for (_, sources) in CRATES {
+        files.extend(rust_files(&root.join(sources))?);
+    }
     let mut missing = Vec::new();
-    for file in rust_files(&sources)? {
-        let name = file.strip_prefix(&sources).unwrap_or(&file).to_string_lossy().into_owned();
+    for file in files {
+        let name = file.strip_prefix(root).unwrap_or(&file).to_string_lossy().into_owned();
         if OPTIONAL.contains(&name.as_str()) {
             continue;
         }
@@ -128,7 +142,7 @@ fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// `Type::function` or `function` for each public function above a file's tests.
 fn public_functions(source: &str) -> Vec<String> {
-    let code = source.split("#[cfg(test)]\nmod tests").next().unwrap_or(source);
+    let code = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or(source);
     let mut of = String::new();
     let mut functions = Vec::new();
     for line in code.lines() {
@@ -171,7 +185,7 @@ fn is_kept(list: &str, function: &str) -> bool {
         return true;
     }
     let Some((of, name)) = function.split_once("::") else {
-        return listed(&format!("num::{function}")) || listed(&format!("port::{function}"));
+        return MODULES.iter().any(|module| listed(&format!("{module}::{function}")));
     };
     match OTHERWISE.iter().find(|(known, _)| *known == of) {
         Some((_, names)) if of.starts_with('$') => {
@@ -203,7 +217,7 @@ mod tests {
 
     #[test]
     fn public_functions_are_found_with_their_types() {
-        let source = "pub const fn free(a: f32) {}\nimpl<L: Book> Model for Plant<L> {\n    pub fn \
+        let source = "#[cfg(test)]\nmod tests;\npub const fn free(a: f32) {}\nimpl<L: Book> Model for Plant<L> {\n    pub fn \
                       step(&self) {}\n    fn private() {}\n    pub(crate) fn inner() {}\n}\npub fn \
                       last() {}\n#[cfg(test)]\nmod tests {\n pub fn hidden() {}\n}\n";
         assert_eq!(public_functions(source), ["free", "Plant::step", "last"]);

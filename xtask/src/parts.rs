@@ -57,7 +57,7 @@ pub const PARTS: &[Part] = &[
 
 /// Parts that take long or need more tools; `test` leaves them out.
 pub const LONG: &[Part] = &[
-    part("miri", "plant-core's unit tests in an interpreter that sees undefined behaviour", miri),
+    part("miri", "unit tests in an interpreter that sees undefined behaviour", miri),
     part(
         "fuzz",
         "arbitrary bytes for the readers, arbitrary bits for the step (VOLTSTEP_FUZZ_S)",
@@ -75,7 +75,8 @@ const FUZZ_S: (&str, &str) = ("VOLTSTEP_FUZZ_S", "60");
 const FUZZ_TARGETS: [&str; 6] = ["cycle", "trip", "vehicle", "battery", "cell", "step"];
 
 fn miri() -> Result<()> {
-    run(rustup_cargo("nightly").args(["miri", "test", "-p", "plant-core", "--lib"]))
+    let packages = ON_TARGET.iter().flat_map(|package| ["-p", package]);
+    run(rustup_cargo("nightly").args(["miri", "test", "--lib"]).args(packages))
         .context("`rustup component add --toolchain nightly miri` installs it")
 }
 

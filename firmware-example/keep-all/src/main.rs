@@ -1,8 +1,10 @@
 #![no_std]
 #![no_main]
-//! Every public function of plant-core in one image, compiled for parameters that are not known:
-//! what could panic, allocate or compute in double precision would be in it. `cargo xtask image`
-//! looks, and demands that this list names every public function.
+//! Every public function of plant-core and voltstep-bms in one image, compiled for parameters that
+//! are not known: what could panic, allocate or compute in double precision would be in it. `cargo
+//! xtask image` looks, and demands that this list names every public function.
+
+mod flash;
 
 use core::hint::black_box;
 
@@ -18,6 +20,7 @@ use plant_core::converter::Converter;
 use plant_core::dc_motor::{CurrentLaw, DcMotor, Winding};
 use plant_core::driver::{Driver, TorqueDriver};
 use plant_core::energy::{EnergyLedger, EnergyReport, NoLedger};
+use plant_core::error;
 use plant_core::gearbox::Gearbox;
 use plant_core::num::{self, SocTable};
 use plant_core::pid::{Pid, PidState};
@@ -28,13 +31,28 @@ use plant_core::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
 use plant_core::slope::{Grade, Slope, SlopeState};
 use plant_core::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
 use plant_core::wheel::Wheel;
-use plant_core::{Accum, Dt, ParamError};
+use plant_core::{Accum, Dt, Model, ParamError};
+use voltstep_bms::cells::{self, Cells};
+use voltstep_bms::coulomb::{CoulombCounter, CoulombState};
+use voltstep_bms::ekf::{Ekf, EkfParams, EkfState, Uncertainty};
+use voltstep_bms::energy::EnergyGauge;
+use voltstep_bms::measurement::{self, Reading, Spread};
+use voltstep_bms::power::{PowerLimits, TemperatureWindow};
+use voltstep_bms::record::{self, Found, Record, Slot};
+use voltstep_bms::soh::{CapacityEstimator, Health, ResistanceEstimator};
 
 type Plain = Powertrain<NoLedger>;
 type Ledgered = Powertrain<EnergyLedger>;
 type WithBattery = PowertrainParams<BatteryParams>;
 type Mapped = Powertrain<NoLedger, MappedBattery>;
 type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
+
+/// Cells of the pack, and its temperature sensors.
+const CELLS: usize = 18;
+const SENSORS: usize = 4;
+type CellsState = cells::CellsState<CELLS>;
+type Measurements = measurement::Measurements<CELLS, SENSORS>;
+type RecordStore = record::RecordStore<flash::Flash>;
 
 /// Keeps functions that the linker would drop.
 macro_rules! keep {
@@ -46,6 +64,7 @@ fn main() -> ! {
     components();
     drive();
     numbers();
+    management();
     controls();
     loop {
         cortex_m::asm::nop();
@@ -67,7 +86,8 @@ fn components() {
         <MappedBattery as Pack>::discharged_energy_j,
         OverSoc::at, ResistanceMap::at, BranchMap::at, BranchMap::resistance,
         IdentifiedRange::holds, IdentifiedRange::nearest_c,
-        OpenCircuit::at, OpenCircuit::mean, RcBranch::new, RcBranch::step,
+        OpenCircuit::at, OpenCircuit::mean,
+        OpenCircuit::with_slope, OpenCircuit::soc_at, MappedBatteryParams::constant, RcBranch::new, RcBranch::step,
         Resistance::solve, Body::new, Body::coast, Body::resistance, Body::settle, Body::step,
         Converter::new, Converter::allowed_duty, Converter::series_ohm, Converter::shunt_s,
         Converter::seen_through, Converter::step,
@@ -107,12 +127,39 @@ fn numbers() {
     keep!(
         ParamError::field, ParamError::message, Dt::from_s, Dt::s,
         Accum::new, Accum::get, Accum::add, Accum::since, Accum::add_sum, Accum::scaled,
+        Accum::clamp,
         num::max, num::min, num::clamp, num::sane, num::sound, num::sign, num::lag_gain, num::sqrt,
         num::exp, num::floor, num::wrap_turns, num::sin_cos_turns,
         SocTable::new, SocTable::from_points, SocTable::at, SocTable::mean, SocTable::values,
-        SocTable::is_monotone,
+        SocTable::is_monotone, SocTable::with_slope,
         Source::stiff, Source::voltage_v, Source::loaded, Coast::plus, Coast::reflected,
         Coast::slope, Slip::sign, port::project,
+        error::positive, error::not_negative, error::finite, error::limit, error::ratio,
+        error::efficiency, error::above,
+    );
+}
+
+#[rustfmt::skip]
+fn management() {
+    keep!(
+        Reading::new, Reading::usable, Reading::usable_or_nan, Reading::age, Spread::of,
+        Measurements::age, Measurements::cells_or_nan, Measurements::cell_spread,
+        Measurements::temperature_spread, <Measurements as Default>::default,
+        Uncertainty::typical, EkfParams::typical, EkfState::soc, EkfState::variance, Ekf::new, Ekf::params,
+        Ekf::start, Ekf::start_unknown, Ekf::start_rested, Ekf::step, Ekf::update, Ekf::refresh,
+        Ekf::estimate, Ekf::status, <Ekf as Model>::step,
+        CoulombState::known, <CoulombState as Default>::default, CoulombCounter::new,
+        CoulombCounter::rested, CoulombCounter::step, CoulombCounter::soc, CoulombCounter::soc_sd,
+        CoulombCounter::review, <CoulombCounter as Model>::step,
+        Cells::new, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
+        CellsState::spread,
+        Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
+        CapacityEstimator::known, CapacityEstimator::step, ResistanceEstimator::new,
+        ResistanceEstimator::unknown, ResistanceEstimator::known, ResistanceEstimator::step,
+        EnergyGauge::new, EnergyGauge::params, EnergyGauge::step, EnergyGauge::report, EnergyGauge::left,
+        TemperatureWindow::share, PowerLimits::new, PowerLimits::ahead,
+        Slot::other, Record::checked, Record::encode, Record::decode, Found::in_slots, Found::next,
+        RecordStore::new, RecordStore::load, RecordStore::save, RecordStore::release,
     );
 }
 

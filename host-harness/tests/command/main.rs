@@ -4,6 +4,7 @@ mod identify;
 mod measured;
 mod refusals;
 mod replays;
+mod soc;
 
 use std::collections::BTreeMap;
 use std::fs;

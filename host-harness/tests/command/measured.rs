@@ -85,7 +85,7 @@ fn refuses_a_folder_without_trips() {
 
 /// A drive cycle that the built-in cell itself drove, its voltage off by `bias_v`, and 1 s between
 /// samples.
-fn drive_cycle(bias_v: f32) -> String {
+pub fn drive_cycle(bias_v: f32) -> String {
     use plant_core::Dt;
     use plant_core::battery::{MappedBattery, MappedBatteryInput};
     let cell = voltstep::battery_file::load("panasonic-ncr18650pf").unwrap();
