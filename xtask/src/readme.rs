@@ -22,6 +22,12 @@ const CASES: &[&str] = &[
     "DC motor step, Pasek, with static torque",
     "converter bench, sine",
 ];
+/// A battery with a larger capacity is a pack, of which trips are known \[A·h\].
+const CELL_AH: f64 = 10.0;
+/// The block that holds how far identified batteries are from files that they were not made from,
+/// and the files that say so.
+const BATTERIES: (&str, [&str; 2]) =
+    ("data/batteries", ["panasonic-ncr18650pf.toml", "bmw-i3-60ah.toml"]);
 const BEGIN: &str = "<!-- generated: ";
 const END: &str = "<!-- end -->";
 
@@ -37,6 +43,9 @@ pub fn readme() -> Result<()> {
             command.args(["run", "--quiet", "--release", "--", "validate", "--json"]);
             let json = output(command.env_remove(crate::data::VARIABLE))?;
             return accuracy(&json);
+        }
+        if arguments == BATTERIES.0 {
+            return held_out();
         }
         let out = folder.join(arguments.replace(['/', ' ', '.'], "-"));
         let printed = voltstep(arguments, &out)?;
@@ -107,6 +116,41 @@ fn accuracy(json: &str) -> Result<String> {
     let count =
         |what: &str| cases.iter().filter(|c| c["pass"].as_bool() == Some(what == "passed")).count();
     table += &format!("\n{} checks passed, {} failed.", count("passed"), count("failed"));
+    Ok(table)
+}
+
+/// The table of the cross-validations: a row for each test of a cell, one for all trips of a pack.
+fn held_out() -> Result<String> {
+    let mut table = String::from(
+        "| left out of the fit | voltage above 15 % SOC | above 25 % SOC |\n|---|--:|--:|\n",
+    );
+    for file in BATTERIES.1 {
+        let path = Path::new(BATTERIES.0).join(file);
+        let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let battery: toml::Table = text.parse().with_context(|| path.display().to_string())?;
+        let found = &battery["fit"]["cross_validation"];
+        let rows = found["held_out"].as_array().context("no list of what was left out")?;
+        let number = |value: &toml::Value| value.as_float().context("no number");
+        if battery["battery"]["capacity_ah"].as_float().is_some_and(|q| q > CELL_AH) {
+            table += &format!(
+                "| `{}`, {} trips | median {:.2} V, 90th percentile {:.2} V | |\n",
+                battery["name"].as_str().unwrap_or(""),
+                rows.len(),
+                number(&found["voltage_rmse_v_median"])?,
+                number(&found["voltage_rmse_v_p90"])?,
+            );
+            continue;
+        }
+        for row in rows {
+            table += &format!(
+                "| `{}`, {} | {:.1} mV | {:.1} mV |\n",
+                battery["name"].as_str().unwrap_or(""),
+                row["name"].as_str().unwrap_or(""),
+                1000.0 * number(&row["above_15_soc"])?,
+                1000.0 * number(&row["above_25_soc"])?,
+            );
+        }
+    }
     Ok(table)
 }
 

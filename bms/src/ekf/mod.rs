@@ -53,6 +53,33 @@ const OUTLIER: Real = 6.0;
 const CONSISTENT: Real = 3.0;
 
 /// A Kalman filter for the state of charge, discretised for one step.
+///
+/// ```
+/// use plant_core::presets::PANASONIC_NCR18650PF;
+/// use voltstep_bms::ekf::{Ekf, EkfInput, EkfParams};
+/// use voltstep_bms::{Dt, ParamError};
+/// use plant_core::must;
+///
+/// const EKF: Ekf = must!(Ekf::new(
+///     EkfParams::typical(PANASONIC_NCR18650PF, 3.65),
+///     must!(Dt::from_s(0.1)),
+/// ));
+///
+/// let mut state = EKF.start_unknown(25.0)?;
+/// let rested = EkfInput {
+///     current_a: 0.0,
+///     voltage_v: PANASONIC_NCR18650PF.open_circuit.at(0.7),
+///     temperature_c: 25.0,
+///     contactors_open: false,
+/// };
+/// for _ in 0..600 {
+///     EKF.step(&mut state, rested);
+/// }
+/// let estimate = EKF.estimate(&state);
+/// assert!((estimate.soc - 0.7).abs() < 0.01);
+/// assert!(estimate.soc_sd > 0.005, "the curve itself is known to 10 mV only");
+/// # Ok::<(), ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ekf {
     battery: MappedBattery,

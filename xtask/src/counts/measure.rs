@@ -91,6 +91,7 @@ impl Machine {
             }
             let (state, stack) = parse_item(&said, &name).with_context(|| missing(&name))?;
             let flash = self.flash(&format!("{PREFIX}{name}"))? - empty;
+            ensure!(flash > 0, "`{name}` is not in the image of `flash.rs`");
             costs.insert(name, Cost { min, mean, max, flash, state, stack });
         }
         for (name, plant, (min, mean, max)) in limited {
