@@ -16,8 +16,10 @@ use plant_core::{ParamError, check};
 pub struct Uncertainty {
     /// Of the open-circuit curve \[V\], above zero.
     pub open_circuit_sd_v: Real,
-    /// Of all resistances, as a ratio to them, ≥ 0.
+    /// Of all resistances at 25 °C, as a ratio to them, ≥ 0.
     pub resistance_sd: Real,
+    /// Of their activation temperature \[K\], ≥ 0: away from 25 °C resistances are known less.
+    pub activation_sd_k: Real,
     /// Of the capacity, as a ratio to it, ≥ 0.
     pub capacity_sd: Real,
     /// Of the current sensor's offset \[A\], ≥ 0.
@@ -36,7 +38,7 @@ pub struct Uncertainty {
 
 impl Uncertainty {
     /// What fits a battery identified from drive cycles, with sensors of a production car: 10 mV a
-    /// cell, 20 % of the resistance, 3 % of the capacity, an offset of C/100.
+    /// cell, 20 % of the resistance (25 % at 0 °C), 3 % of the capacity, an offset of C/100.
     ///
     /// `nominal_v` is the voltage at half charge \[V\], of the cell or the pack.
     #[must_use]
@@ -45,6 +47,7 @@ impl Uncertainty {
         Self {
             open_circuit_sd_v: 0.010 * cells,
             resistance_sd: 0.2,
+            activation_sd_k: 500.0,
             capacity_sd: 0.03,
             current_offset_sd_a: 0.01 * capacity_ah,
             voltage_sd_v: 0.003 * cells,
@@ -57,6 +60,7 @@ impl Uncertainty {
     const fn checked(self) -> Result<Self, ParamError> {
         check!(positive("ekf.uncertainty.open_circuit_sd_v", self.open_circuit_sd_v));
         check!(not_negative("ekf.uncertainty.resistance_sd", self.resistance_sd));
+        check!(not_negative("ekf.uncertainty.activation_sd_k", self.activation_sd_k));
         check!(not_negative("ekf.uncertainty.capacity_sd", self.capacity_sd));
         check!(not_negative("ekf.uncertainty.current_offset_sd_a", self.current_offset_sd_a));
         check!(positive("ekf.uncertainty.voltage_sd_v", self.voltage_sd_v));

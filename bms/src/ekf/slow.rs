@@ -1,6 +1,7 @@
 //! What an [`Ekf`] does at a slower rate, and what it does rarely: starts, resistances over state
 //! of charge and temperature, the size of the model's error, the sensor's offset, gaps.
 
+use plant_core::battery::REFERENCE_C;
 use plant_core::error::ratio;
 use plant_core::num::{Accum, Real, clamp, lag_gain, max, min, sign, sqrt};
 use plant_core::{ParamError, check};
@@ -28,6 +29,8 @@ const RESIDUAL_S: Real = 10.0;
 const SILENT_V2: Real = 1e9;
 /// A way too short for a mean slope: rounding would be in it.
 const SHORT_WAY: Real = 1e-3;
+/// 0 °C in kelvin.
+const KELVIN: Real = 273.15;
 /// Temperatures outside are no measurement \[°C\].
 const TEMPERATURES_C: core::ops::RangeInclusive<Real> = -100.0..=200.0;
 
@@ -205,7 +208,7 @@ impl Ekf {
     /// Resistances; the model's error after the state of charge has moved by `moved`, without its
     /// sign.
     fn follow_error(&self, state: &mut EkfState, moved: Real) {
-        let outside = self.outside(state);
+        let (outside, resistance_sd) = (self.outside(state), self.resistance_sd(state));
         let now = self.battery.resistances(state.soc(), state.slow.temperature_c);
         let slow = &mut state.slow;
         let [fast, slower] = now.polarisation_ohm;
@@ -216,7 +219,7 @@ impl Ekf {
 
         let known = &self.params.uncertainty;
         let hysteresis_v = self.params.battery.hysteresis.half_gap_v * slow.hysteresis_sd;
-        let load_v = known.resistance_sd * slow.total_ohm * max(slow.load_a, 0.0);
+        let load_v = resistance_sd * slow.total_ohm * max(slow.load_a, 0.0);
         let squares = known.open_circuit_sd_v * known.open_circuit_sd_v
             + load_v * load_v
             + slow.polarisation_sd_v * slow.polarisation_sd_v
@@ -297,10 +300,19 @@ impl Ekf {
         }
     }
 
+    /// The standard deviation of the resistances here, as a ratio to them.
+    fn resistance_sd(&self, state: &EkfState) -> Real {
+        let known = &self.params.uncertainty;
+        let celsius = state.slow.temperature_c;
+        let colder_per_k = (REFERENCE_C - celsius) / ((KELVIN + celsius) * (KELVIN + REFERENCE_C));
+        let by_activation = known.activation_sd_k * colder_per_k;
+        sqrt(known.resistance_sd * known.resistance_sd + by_activation * by_activation)
+    }
+
     /// What a step counts as noise, and the drift since the last refresh.
     fn follow_noise(&self, state: &mut EkfState, load_a: Real) {
         let known = &self.params.uncertainty;
-        let dynamics_ohm = self.outside(state) * known.resistance_sd * state.slow.total_ohm;
+        let dynamics_ohm = self.outside(state) * self.resistance_sd(state) * state.slow.total_ohm;
         state.load_noise_ohm2 =
             dynamics_ohm * dynamics_ohm * max(2.0 * DYNAMICS_S / self.dt_s, 1.0);
         state.noise_v2 = if self.is_flat(state) {

@@ -228,6 +228,10 @@ fn refuses_each_bad_field_by_name() {
             "ekf.uncertainty.open_circuit_sd_v"
         );
         assert_eq!(bad(&|p| p.uncertainty.resistance_sd = value), "ekf.uncertainty.resistance_sd");
+        assert_eq!(
+            bad(&|p| p.uncertainty.activation_sd_k = value),
+            "ekf.uncertainty.activation_sd_k"
+        );
         assert_eq!(bad(&|p| p.uncertainty.capacity_sd = value), "ekf.uncertainty.capacity_sd");
         assert_eq!(
             bad(&|p| p.uncertainty.current_offset_sd_a = value),
