@@ -90,8 +90,8 @@ pub struct EkfParams {
     /// The standard deviation of the state of charge below which it counts as known, above 0 and
     /// up to 1.
     pub converged_sd: Real,
-    /// The largest current that can flow while none is measured \[A\], above zero; infinity: the
-    /// state of charge is unknown after any gap.
+    /// The standard deviation of the current that flows while none is measured \[A\], above zero;
+    /// infinity: the state of charge is unknown after any gap.
     pub unseen_current_a: Real,
 }
 

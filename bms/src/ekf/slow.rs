@@ -158,13 +158,12 @@ impl Ekf {
         if !state.slow.temperature_missing {
             state.slow.temperature_c = input.temperature_c;
         }
-        let measured_a =
-            if input.current_a.abs() <= self.largest_a { input.current_a } else { 0.0 };
+        let seen = input.current_a.abs() <= self.largest_a;
         let steps = self.steps();
         let refresh_s = steps * self.dt_s;
         let mean_a = if state.slow.load_a < 0.0 {
             // Before the first step: as if this load had been on for long.
-            state.slow.load_a = measured_a.abs();
+            state.slow.load_a = if seen { input.current_a.abs() } else { 0.0 };
             state.slow.load_a
         } else {
             let mean_a = state.load_sum_a / steps;
@@ -184,9 +183,9 @@ impl Ekf {
         state.soc_before.add(state.rise);
         state.soc_before.clamp(0.0, 1.0);
         state.rise = 0.0;
-        if input.contactors_open {
+        if input.contactors_open && seen {
             let gain = lag_gain(refresh_s / OFFSET_MEMORY_S);
-            state.current_offset_a += gain * (measured_a - state.current_offset_a);
+            state.current_offset_a += gain * (input.current_a - state.current_offset_a);
             let learnt_a = OFFSET_LEARNT * self.params.uncertainty.current_offset_sd_a;
             state.slow.offset_sd_a += gain * (learnt_a - state.slow.offset_sd_a);
         }
@@ -324,7 +323,10 @@ impl Ekf {
         let drift_a2 = state.slow.offset_sd_a * state.slow.offset_sd_a + unknown_a * unknown_a;
         let soc_per_a = self.soc_per_a * self.steps();
         let times = DRIFT_HORIZON_S / (self.dt_s * self.steps());
-        state.own_variance += drift_a2 * soc_per_a * soc_per_a * times;
+        // No more can be unknown than everything.
+        let most = max(state.own_variance, UNKNOWN_SD * UNKNOWN_SD);
+        state.own_variance =
+            min(state.own_variance + drift_a2 * soc_per_a * soc_per_a * times, most);
     }
 
     fn follow_hysteresis(&self, state: &mut EkfState, moved: Real) {
@@ -349,7 +351,7 @@ impl Ekf {
             self.polarise(state, current_a);
             state.rise -= current_a * self.soc_per_a;
         } else {
-            // Any current may have flowed; what it did is no random walk.
+            // The current that flowed unseen is one current: its effect is no random walk.
             let unseen_a = min(self.params.unseen_current_a, self.largest_a);
             let sd = min(sqrt(state.variance()) + unseen_a * self.soc_per_a, UNKNOWN_SD);
             let shared = state.variance() - state.own_variance;

@@ -9,6 +9,7 @@ const DT: Dt = must!(Dt::from_s(1.0));
 const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
 const PARAMS: EnergyParams =
     EnergyParams { empty_soc: 0.05, full_soc: 1.0, empty_v: 2.8, least_a: 0.01 };
+const FULL_AH: f64 = PANASONIC_NCR18650PF.capacity_ah as f64;
 const GAUGE: EnergyGauge<'static> = must!(EnergyGauge::new(PARAMS, &CELL, DT));
 
 fn at(soc: Real, temperature_c: Real) -> Estimate {
@@ -60,7 +61,8 @@ fn the_plant_gives_what_the_gauge_says() {
             std::println!("{soc} {celsius} °C {power_w} W: {wh:.3} Wh, {off:+.4}");
             let full_wh = 10.5;
             assert!((f64::from(left.energy_wh) - wh).abs() < 0.02 * full_wh, "{left:?} {wh}");
-            assert!((f64::from(left.charge_ah) - ah).abs() < 0.06, "{left:?} {ah}");
+            // Near empty the resistance rises more steeply than the gauge's means see.
+            assert!((f64::from(left.charge_ah) - ah).abs() < 0.03 * FULL_AH, "{left:?} {ah}");
         }
     }
 }
@@ -78,8 +80,9 @@ fn a_battery_without_resistance_gives_its_open_circuit_energy() {
     ));
     let gauge = EnergyGauge::new(PARAMS, &NONE, DT).unwrap();
     let left = gauge.left(5.0, &at(0.8, 25.0), &health());
-    let wh = 2.97 * 0.75 * NONE.open_circuit().mean(0.05, 0.8);
-    assert!((left.charge_ah - 2.97 * 0.75).abs() < 1e-5 && (left.energy_wh - wh).abs() < 1e-4);
+    let ah = PANASONIC_NCR18650PF.capacity_ah * 0.75;
+    let wh = ah * NONE.open_circuit().mean(0.05, 0.8);
+    assert!((left.charge_ah - ah).abs() < 1e-5 && (left.energy_wh - wh).abs() < 1e-4);
 }
 
 #[test]
@@ -111,7 +114,7 @@ fn reports_by_the_names_of_the_specification() {
     assert!((report.remaining_capacity_ah - 2.5 * 0.55).abs() < 0.02, "{report:?}");
     assert!((report.full_charge_capacity_ah - 2.5 * 0.95).abs() < 0.02, "{report:?}");
     assert!((report.relative_state_of_charge - 0.55 / 0.95).abs() < 0.01);
-    assert!((report.absolute_state_of_charge - 2.5 * 0.55 / 2.97).abs() < 0.01);
+    assert!((report.absolute_state_of_charge - 2.5 * 0.55 / PANASONIC_NCR18650PF.capacity_ah).abs() < 0.01);
     assert!(report.state_of_energy < report.relative_state_of_charge, "the voltage falls");
     // 0.02·2.5 Ah·3.73 V, and 2 % of some 4.8 Wh.
     assert!((report.remaining_energy_sd_wh - 0.21).abs() < 0.02, "{report:?}");
@@ -121,7 +124,7 @@ fn reports_by_the_names_of_the_specification() {
     }
     let report = GAUGE.report(&state, &estimate, &aged).unwrap();
     let (_, _, seconds) = discharge(3.6, 0.6, 25.0);
-    let expected = seconds * 2.5 / 2.97;
+    let expected = seconds * 2.5 / PANASONIC_NCR18650PF.capacity_ah;
     let told = f64::from(report.average_time_to_empty_s.unwrap());
     assert!((told / expected - 1.0).abs() < 0.01, "{told} {expected}");
     assert_eq!(report.average_time_to_full_s, None);

@@ -61,10 +61,13 @@ fn each_limit_binds_in_its_turn() {
     assert_eq!(half_minute.discharge.bound_by, BoundBy::Voltage);
     assert!((half_minute.discharge.voltage_v - 2.5).abs() < 1e-3, "{half_minute:?}");
 
-    // 0.3 % of 2.97 Ah in 10 s.
+    // 0.3 % of the capacity in 10 s.
     let [_, ten, _] = ahead(&at(0.053, 25.0));
     assert_eq!(ten.discharge.bound_by, BoundBy::Soc);
-    assert!((ten.discharge.current_a - 0.003 * 2.97 * 360.0).abs() < 1e-3, "{ten:?}");
+    assert!(
+        (ten.discharge.current_a - 0.003 * PANASONIC_NCR18650PF.capacity_ah * 360.0).abs() < 1e-3,
+        "{ten:?}"
+    );
     let [_, ten, _] = ahead(&at(0.04, 25.0));
     assert_eq!((ten.discharge.current_a, ten.discharge.power_w), (0.0, 0.0));
     assert_eq!(ahead(&at(0.99, 25.0))[1].charge.current_a, 0.0);
@@ -90,7 +93,8 @@ fn an_aged_battery_gives_less() {
     let [_, old, _] = LIMITS.ahead(&estimate, &aged);
     let share = old.discharge.current_a / new.discharge.current_a;
     assert!((0.68..0.8).contains(&share), "about 1/1.4: {share}");
-    let half = Health { capacity_ah: 1.485, ..Health::as_new(&CELL) };
+    let half =
+        Health { capacity_ah: 0.5 * PANASONIC_NCR18650PF.capacity_ah, ..Health::as_new(&CELL) };
     let (new, old) = (ahead(&at(0.053, 25.0)), LIMITS.ahead(&at(0.053, 25.0), &half));
     assert_eq!(new[1].discharge.bound_by, BoundBy::Soc);
     assert!((old[1].discharge.current_a / new[1].discharge.current_a - 0.5).abs() < 1e-6);
