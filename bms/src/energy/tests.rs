@@ -114,7 +114,10 @@ fn reports_by_the_names_of_the_specification() {
     assert!((report.remaining_capacity_ah - 2.5 * 0.55).abs() < 0.02, "{report:?}");
     assert!((report.full_charge_capacity_ah - 2.5 * 0.95).abs() < 0.02, "{report:?}");
     assert!((report.relative_state_of_charge - 0.55 / 0.95).abs() < 0.01);
-    assert!((report.absolute_state_of_charge - 2.5 * 0.55 / PANASONIC_NCR18650PF.capacity_ah).abs() < 0.01);
+    assert!(
+        (report.absolute_state_of_charge - 2.5 * 0.55 / PANASONIC_NCR18650PF.capacity_ah).abs()
+            < 0.01
+    );
     assert!(report.state_of_energy < report.relative_state_of_charge, "the voltage falls");
     // 0.02·2.5 Ah·3.73 V, and 2 % of some 4.8 Wh.
     assert!((report.remaining_energy_sd_wh - 0.21).abs() < 0.02, "{report:?}");
@@ -124,7 +127,7 @@ fn reports_by_the_names_of_the_specification() {
     }
     let report = GAUGE.report(&state, &estimate, &aged).unwrap();
     let (_, _, seconds) = discharge(3.6, 0.6, 25.0);
-    let expected = seconds * 2.5 / PANASONIC_NCR18650PF.capacity_ah;
+    let expected = seconds * 2.5 / FULL_AH;
     let told = f64::from(report.average_time_to_empty_s.unwrap());
     assert!((told / expected - 1.0).abs() < 0.01, "{told} {expected}");
     assert_eq!(report.average_time_to_full_s, None);
