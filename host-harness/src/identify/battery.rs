@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 
 use super::capacity::Estimate;
 use super::cross::{self, Folds, HeldOut};
-use super::fit::{self, Fit, MOST_STEPS, Start};
+use super::fit::{self, Fit, MOST_STEPS, Smoothing, Start};
 use super::input;
 use super::layout::{self, ACTIVATION_UNIT_K, BRANCHES, Layout, place};
 use super::normal::Normal;
@@ -139,7 +139,10 @@ pub fn of_records(
     }
     let current_delay_s = delay(&measured, &layout, &start, tick)?;
     let series: Vec<Series> = measured.iter().map(|m| m.placed(&layout, current_delay_s)).collect();
-    let (start, found) = branches(&series, &layout, start, &mut notes, tick)?;
+    let (mut start, first) = branches(&series, &layout, start, &mut notes, tick)?;
+    start.smoothing = Smoothing::expected(&layout, &first);
+    start.parameters = first.parameters;
+    let found = fit::fit(&series, &layout, &start, MOST_STEPS, |_, _| true, || tick("fit"))?;
     let errors = fit::standard_errors(&layout, &start, &found);
     let second_branch = start.free[layout.log_tau(2)];
     uncertain(&layout, &found, &errors, second_branch, &mut notes);

@@ -84,7 +84,7 @@ pub fn validate(
     folds: &Folds,
     tick: impl Fn() -> anyhow::Result<()> + Sync,
 ) -> anyhow::Result<Vec<HeldOut>> {
-    let start = Start { parameters: whole.parameters.clone(), free: start.free.clone() };
+    let start = Start { parameters: whole.parameters.clone(), ..start.clone() };
     let fits: anyhow::Result<Vec<Fit>> = (0..folds.used())
         .into_par_iter()
         .map(|f| {

@@ -18,21 +18,68 @@ pub const MOST_STEPS: usize = 60;
 const LONGEST_LOG_STEP: f64 = 1.0;
 /// Damping at the start, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
-/// Neighbouring points of a table pull on each other by this share of what the samples of a point
-/// do. Residuals follow each other for minutes, so that thousands of samples tell a point no better
-/// than ten independent ones would: without a pull each point follows its own passage of a drive.
-const SMOOTHING_V: f64 = 0.1;
-const SMOOTHING_OHM: f64 = 3e-3;
-/// Likewise the activation temperatures.
-const TIE_ACTIVATION: f64 = 3e-3;
+/// In a first fit neighbouring points of a table pull on each other by this share of what the
+/// samples of a point do: that tells where no sample does.
+const FIRST_SMOOTHING_V: f64 = 1e-5;
+const FIRST_SMOOTHING_OHM: f64 = 1e-3;
+/// Then by what is expected of a battery before it is measured, as standard deviations. Of the bend
+/// of the open-circuit curve at a point, as a share of its mean …
+const BEND_V: f64 = 5e-3;
+/// … of the bend of a resistance, as a share of its mean …
+const BEND_OHM: f64 = 3.0;
+/// … and of the difference of two activation temperatures, in their unit.
+const ACTIVATIONS_APART: f64 = 1.5;
 /// A share of the diagonal that keeps what no sample moves from being singular.
 const RIDGE: f64 = 1e-10;
 
-/// Which parameters are free, and where the search begins.
+/// Which parameters are free, where the search begins, and what smooths the tables.
 #[derive(Clone, Debug)]
 pub struct Start {
     pub parameters: Vec<f64>,
     pub free: Vec<bool>,
+    pub smoothing: Smoothing,
+}
+
+/// What second differences of the tables and differences of the activation temperatures cost.
+#[derive(Clone, Debug)]
+pub enum Smoothing {
+    /// A share of what the samples say.
+    First,
+    /// As much as what was expected is worth beside the samples: squares of the voltage for each
+    /// unit of the open-circuit curve, of each branch's resistance, of the activation temperatures.
+    Expected { volts: f64, ohm: [f64; BRANCHES], activation: f64 },
+}
+
+impl Smoothing {
+    /// What is expected of a battery beside samples that a first fit leaves with such residuals.
+    ///
+    /// Residuals follow each other for minutes, so that a thousand samples may tell no more than ten
+    /// independent ones: what a sample is worth shows in how far the pulls of the blocks on the
+    /// open-circuit voltages scatter (the "meat" of a sandwich estimate, Huber 1967).
+    pub fn expected(layout: &Layout, fit: &Fit) -> Self {
+        let len = layout.len();
+        let (mut pulls, mut weight) = (0.0, 0.0);
+        for block in fit.blocks.iter().flatten() {
+            for i in layout.voltages() {
+                pulls += block.pull[i] * block.pull[i];
+                weight += block.gram[i * len + i];
+            }
+        }
+        let squares = if weight > 0.0 { pulls / weight } else { 0.0 };
+        let worth = |expected: f64| {
+            if expected > 0.0 { squares / (expected * expected) } else { 0.0 }
+        };
+        #[expect(clippy::cast_precision_loss, reason = "a count")]
+        let mean = |range: std::ops::Range<usize>| {
+            let count = range.len() as f64;
+            range.map(|i| fit.parameters[i]).sum::<f64>() / count
+        };
+        Self::Expected {
+            volts: worth(BEND_V * mean(layout.voltages())),
+            ohm: std::array::from_fn(|b| worth(BEND_OHM * mean(layout.resistances(b)))),
+            activation: worth(ACTIVATIONS_APART),
+        }
+    }
 }
 
 impl Start {
@@ -45,7 +92,7 @@ impl Start {
         for branch in 0..BRANCHES {
             parameters[layout.activation(branch)] = activation;
         }
-        Self { parameters, free: vec![true; layout.len()] }
+        Self { parameters, free: vec![true; layout.len()], smoothing: Smoothing::First }
     }
 
     /// Holds parameters at a value.
@@ -89,13 +136,13 @@ pub fn fit(
     let mut parameters = start.parameters.clone();
     tick()?;
     let mut blocks = equations(series, layout, &parameters);
-    let mut problem = Problem::new(layout, &start.free, total(&blocks), &parameters);
+    let mut problem = Problem::new(layout, start, total(&blocks), &parameters);
     let mut damping = DAMPING;
     for _ in 0..most_steps {
         tick()?;
         let next = problem.step(&parameters, damping)?;
         let next_blocks = equations(series, layout, &next);
-        let next_problem = Problem::new(layout, &start.free, total(&next_blocks), &next);
+        let next_problem = Problem::new(layout, start, total(&next_blocks), &next);
         if next_problem.cost() <= problem.cost() {
             let converged = problem.cost() - next_problem.cost() < CONVERGED * problem.cost();
             (parameters, blocks, problem) = (next, next_blocks, next_problem);
@@ -125,7 +172,7 @@ pub fn standard_errors(layout: &Layout, start: &Start, fit: &Fit) -> Vec<f64> {
     for block in &blocks {
         sum.add(block);
     }
-    let problem = Problem::new(layout, &start.free, sum, &fit.parameters);
+    let problem = Problem::new(layout, start, sum, &fit.parameters);
     let mut squares = vec![0.0; layout.len()];
     for block in &blocks {
         let moved = problem.without(block, &fit.moving);
@@ -158,15 +205,15 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(layout: &'a Layout, free: &[bool], sum: Normal, parameters: &[f64]) -> Self {
+    pub fn new(layout: &'a Layout, start: &Start, sum: Normal, parameters: &[f64]) -> Self {
         let len = layout.len();
         let full = DMatrix::from_row_slice(len, len, &sum.gram);
         let gram = DMatrix::from_fn(len, len, |i, j| full[(i.min(j), i.max(j))]);
         let steps = steps(layout);
-        let penalty = penalty(layout, &gram);
+        let penalty = penalty(layout, &gram, &start.smoothing);
         Self {
             layout,
-            free: (0..len).filter(|&i| free[i]).collect(),
+            free: (0..len).filter(|&i| start.free[i]).collect(),
             gram: steps.tr_mul(&gram) * &steps,
             pull: steps.tr_mul(&DVector::from_vec(sum.pull)),
             squares: sum.squares,
@@ -227,12 +274,8 @@ impl<'a> Problem<'a> {
 
     /// The change of the parameters when `block` is left out, to first order, where `moving` move.
     pub fn without(&self, block: &Normal, moving: &[usize]) -> Option<Vec<f64>> {
-        let part = Problem::new(
-            self.layout,
-            &vec![true; self.layout.len()],
-            block.clone(),
-            &vec![0.0; self.layout.len()],
-        );
+        let all = Start::new(self.layout, [1.0; 2], 0.0);
+        let part = Problem::new(self.layout, &all, block.clone(), &vec![0.0; self.layout.len()]);
         let matrix = &self.gram + &self.penalty - &part.gram;
         let small = factored(&matrix, moving)?;
         let pull = DVector::from_fn(moving.len(), |i, _| -part.pull[moving[i]]);
@@ -299,32 +342,41 @@ fn to_steps(layout: &Layout, values: &[f64]) -> DVector<f64> {
     })
 }
 
-/// What second differences of the tables cost, and differences of the activation temperatures.
-fn penalty(layout: &Layout, gram: &DMatrix<f64>) -> DMatrix<f64> {
+/// The quadratic form of the smoothing.
+fn penalty(layout: &Layout, gram: &DMatrix<f64>, smoothing: &Smoothing) -> DMatrix<f64> {
     let mut penalty = DMatrix::zeros(layout.len(), layout.len());
     let tables =
         std::iter::once(layout.voltages()).chain((0..BRANCHES).map(|b| layout.resistances(b)));
-    for table in tables {
+    for (which, table) in tables.enumerate() {
         #[expect(clippy::cast_precision_loss, reason = "a count")]
         let mean = table.clone().map(|i| gram[(i, i)]).sum::<f64>() / table.len() as f64;
-        let smoothing = if table.start == 0 { SMOOTHING_V } else { SMOOTHING_OHM };
+        let cost = match (smoothing, which) {
+            (Smoothing::First, 0) => FIRST_SMOOTHING_V * mean,
+            (Smoothing::First, _) => FIRST_SMOOTHING_OHM * mean,
+            (Smoothing::Expected { volts, .. }, 0) => *volts,
+            (Smoothing::Expected { ohm, .. }, branch) => ohm[branch - 1],
+        };
         for i in table.start..table.end.saturating_sub(2) {
             for (j, a) in [1.0, -2.0, 1.0].into_iter().enumerate() {
                 for (k, b) in [1.0, -2.0, 1.0].into_iter().enumerate() {
-                    penalty[(i + j, i + k)] += smoothing * mean * a * b;
+                    penalty[(i + j, i + k)] += cost * a * b;
                 }
             }
         }
     }
-    // What warms the one warms the others: activation temperatures that nothing tells are alike.
-    let first = layout.activation(0);
-    let tie = TIE_ACTIVATION * gram[(first, first)];
-    for branch in 1..BRANCHES {
-        let other = layout.activation(branch);
-        penalty[(first, first)] += tie;
-        penalty[(other, other)] += tie;
-        penalty[(first, other)] -= tie;
-        penalty[(other, first)] -= tie;
+    if let Smoothing::Expected { activation, .. } = smoothing {
+        // What warms the one warms the others.
+        let first = layout.activation(0);
+        for other in (1..BRANCHES).map(|b| layout.activation(b)) {
+            for (i, j, sign) in [
+                (first, first, 1.0),
+                (other, other, 1.0),
+                (first, other, -1.0),
+                (other, first, -1.0),
+            ] {
+                penalty[(i, j)] += sign * activation;
+            }
+        }
     }
     penalty
 }
