@@ -8,7 +8,7 @@ use plant_core::{ParamError, Real};
 use crate::{Estimate, Health};
 
 /// Stretches that a horizon is cut into.
-const STRETCHES: u32 = 6;
+const STRETCHES: u32 = 8;
 
 /// Which way the current flows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,9 @@
 extern crate std;
-use plant_core::battery::MappedBattery;
+use plant_core::battery::{
+    BranchMap, IdentifiedRange, MappedBattery, MappedBatteryParams, OpenCircuit, OverSoc,
+    ResistanceMap,
+};
+use plant_core::num::SocTable;
 use plant_core::presets::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 use plant_core::{Accum, Dt, must};
 
@@ -8,7 +12,26 @@ use crate::energy::EnergyParams;
 use crate::power::BoundBy;
 
 const DT: Dt = must!(Dt::from_s(1.0));
-const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
+/// A cell whose numbers do not move when a preset is made anew.
+const CELL: MappedBattery = must!(MappedBattery::new(
+    MappedBatteryParams {
+        capacity_ah: 2.97,
+        open_circuit: OpenCircuit::Table(must!(SocTable::from_points(
+            "open_circuit",
+            &[(0.0, 3.177), (0.25, 3.483), (0.5, 3.647), (0.75, 3.888), (1.0, 4.149)]
+        ))),
+        series: ResistanceMap { resistance_ohm: OverSoc::Constant(0.032), activation_k: 0.0 },
+        polarisation: BranchMap::NONE,
+        second_polarisation: BranchMap {
+            resistance_ohm: OverSoc::Constant(0.02),
+            activation_k: 0.0,
+            time_constant_s: 120.0,
+        },
+        identified: IdentifiedRange::ALL,
+        ..PANASONIC_NCR18650PF
+    },
+    DT
+));
 const GAUGE: EnergyGauge<'static> = must!(EnergyGauge::new(
     EnergyParams { empty_soc: 0.0, full_soc: 1.0, empty_v: 2.5, least_a: 0.01 },
     &CELL,
