@@ -58,6 +58,7 @@ fn run(
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn finds_what_each_cell_differs_by() {
     let c = cells(PARAMS);
     let mut s = c.start::<4>(pack(0.6));
@@ -92,6 +93,7 @@ fn holds_where_the_curve_is_flat() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn does_not_average_away_what_stays() {
     let sd = |params, current_a| {
         let c = cells(CellsParams { drift_sd_per_day: 0.0, ..params });
@@ -129,6 +131,7 @@ fn grows_uncertain_with_the_charge_that_passes() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn holds_a_cell_without_a_reading() {
     let c = cells(PARAMS);
     for bad in [Real::NAN, Real::INFINITY, -Real::INFINITY, 1e30, 1.9, 4.6] {

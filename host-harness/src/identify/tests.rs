@@ -260,7 +260,7 @@ fn finds_a_known_battery_within_its_standard_errors() {
 
 /// Every group in at least 90 of 100 cases; each point of a table counts as a case.
 #[test]
-#[ignore = "a hundred identifications: five minutes, in release"]
+#[ignore = "a hundred identifications: a minute in release"]
 fn finds_a_known_battery_for_a_hundred_seeds() {
     let groups = inside(1..101);
     for (group, (all, worst)) in &groups {
