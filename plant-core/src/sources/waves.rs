@@ -173,6 +173,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn every_period_has_its_share_of_high_steps() {
         for (dt_s, period) in [(1e-4, 10_usize), (1e-5, 100)] {
             for on in [0_usize, 1, 3, 5, 7, 9, 10] {
