@@ -15,37 +15,31 @@
 //! `f32`, bit for bit as on a PC.
 //!
 //! # Map
+//! Each module uses only those above it.
+//!
 //! | Module | What it does |
 //! |---|---|
-//! | [`measurement`] | what is measured on a pack, with validity and age |
+//! | [`measure`] | what is measured on a pack, with validity and age |
 //! | [`estimate`] | what is believed to be in a battery |
-//! | [`ekf`] | state of charge from current and voltage, by a Kalman filter that knows its limits |
-//! | [`coulomb`] | state of charge by counting, put right at rest |
-//! | [`cells`] | state of charge of each cell, from the pack's and the cells' voltages |
-//! | [`soh`] | state of health: resistance and capacity, with their uncertainty |
-//! | [`energy`] | energy and time left |
-//! | [`power`] | state of power: what may be drawn and charged over the next seconds |
-//! | [`record`] | what is worth knowing after a power cut, in two slots |
-//! | `smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
+//! | [`estimate::ekf`] | state of charge from current and voltage, by a Kalman filter that knows its limits |
+//! | [`estimate::coulomb`] | state of charge by counting, put right at rest |
+//! | [`estimate::cells`] | state of charge of each cell, from the pack's and the cells' voltages |
+//! | [`estimate::soh`] | state of health: resistance and capacity, with their uncertainty |
+//! | [`estimate::energy`] | energy and time left |
+//! | [`estimate::power`] | state of power: what may be drawn and charged over the next seconds |
+//! | [`store::record`] | what is worth knowing after a power cut, in two slots |
+//! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
 //! `_sd`.
 
-pub mod cells;
-pub mod coulomb;
-mod curve;
-pub mod ekf;
-pub mod energy;
+pub mod comm;
 pub mod estimate;
-pub mod measurement;
-pub mod power;
-pub mod record;
-#[cfg(feature = "smart-battery")]
-pub mod smart_battery;
-pub mod soh;
+pub mod measure;
+pub mod store;
 
 pub use estimate::Estimate;
+pub use estimate::soh::Health;
 pub use plant_core::{Accum, Dt, ParamError, Real};
-pub use soh::Health;

@@ -4,16 +4,16 @@ use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
-use plant_core::body::{BodyParams, RoadResistance};
+use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
+use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::converter::ConverterParams;
-use plant_core::dc_motor::DcMotorParams;
-use plant_core::driver::{Driver, DriverParams, TorqueDriverParams};
-use plant_core::gearbox::GearboxParams;
+use plant_core::machine::dc::DcMotorParams;
+use plant_core::mechanics::body::{BodyParams, RoadResistance};
+use plant_core::mechanics::gearbox::GearboxParams;
+use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::SocTable;
-use plant_core::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::powertrain::{Powertrain, PowertrainParams};
 use plant_core::presets::Vehicle;
-use plant_core::wheel::WheelParams;
 
 use crate::params::{
     VOLTSTEP_ABI, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams, VoltstepBatteryModel,

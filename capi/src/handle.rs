@@ -2,8 +2,9 @@
 
 use core::mem::MaybeUninit;
 
-use plant_core::driver::{Driver, DriverState, Feedback};
-use plant_core::energy::NoLedger;
+use plant_core::control::driver::{Driver, DriverState};
+use plant_core::powertrain::Feedback;
+use plant_core::powertrain::ledger::NoLedger;
 use plant_core::powertrain::{Powertrain, PowertrainState};
 
 use crate::params::VOLTSTEP_ABI;

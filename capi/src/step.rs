@@ -1,7 +1,8 @@
 //! Setting up, stepping, looking.
 
 use plant_core::Accum;
-use plant_core::driver::{DriverInput, DriverOutput, Feedback};
+use plant_core::control::driver::{DriverInput, DriverOutput};
+use plant_core::powertrain::Feedback;
 use plant_core::powertrain::{Limited, PowertrainInput};
 
 use crate::handle::{

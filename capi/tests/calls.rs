@@ -3,7 +3,8 @@
 use std::mem::MaybeUninit;
 use std::ptr::{from_mut, from_ref, null, null_mut};
 
-use plant_core::driver::{Driver, DriverInput, DriverState, Feedback};
+use plant_core::control::driver::{Driver, DriverInput, DriverState};
+use plant_core::powertrain::Feedback;
 use plant_core::powertrain::{Powertrain, PowertrainInput};
 use plant_core::{Dt, presets};
 use voltstep_capi::VoltstepStatus as Status;

@@ -1,5 +1,5 @@
 /*
- * The vehicle `epowertrain-udds` (plant-core/src/presets.rs) with its PID, as a firmware engineer
+ * The vehicle `epowertrain-udds` (plant-core/src/presets/mod.rs) with its PID, as a firmware engineer
  * would write it down: constants, folded by the compiler.
  */
 #ifndef VEHICLE_H

@@ -7,17 +7,17 @@ use plant_core::battery::{
     BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
     OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
 };
-use plant_core::body::{BodyParams, Road, RoadResistance};
 use plant_core::converter::ConverterParams;
-use plant_core::dc_motor::DcMotorParams;
-use plant_core::gearbox::GearboxParams;
+use plant_core::machine::dc::DcMotorParams;
+use plant_core::mechanics::body::{BodyParams, Road, RoadResistance};
+use plant_core::mechanics::gearbox::GearboxParams;
+use plant_core::mechanics::slope::Grade;
+use plant_core::mechanics::wheel::WheelParams;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
-use plant_core::slope::Grade;
-use plant_core::wheel::WheelParams;
 
 /// A driving cycle: read, or refused with a place.
 pub fn cycle(data: &[u8]) {
-    if let Ok(cycle) = voltstep::cycle::parse("fuzz.csv", data) {
+    if let Ok(cycle) = voltstep::read::cycle::parse("fuzz.csv", data) {
         assert!(cycle.points.len() >= 2);
         assert!(cycle.points.windows(2).all(|pair| pair[0].0 < pair[1].0));
     }
@@ -25,7 +25,7 @@ pub fn cycle(data: &[u8]) {
 
 /// A measured trip, its quirks included.
 pub fn trip(data: &[u8]) {
-    if let Ok(trip) = voltstep::trip::parse("fuzz.csv", data) {
+    if let Ok(trip) = voltstep::read::trip::parse("fuzz.csv", data) {
         assert!(trip.len() >= 2 && trip.time_s.windows(2).all(|t| t[0] < t[1]));
         let _ = trip.quirks(60.0);
     }
@@ -33,7 +33,7 @@ pub fn trip(data: &[u8]) {
 
 /// A vehicle: what is read can be built.
 pub fn vehicle(data: &[u8]) {
-    if let Ok(vehicle) = voltstep::vehicle::parse("fuzz.toml", data) {
+    if let Ok(vehicle) = voltstep::read::vehicle::parse("fuzz.toml", data) {
         let dt = Dt::from_s(0.001).expect("a sound step");
         Powertrain::new(vehicle.powertrain, dt).expect("the reader has checked it");
     }
@@ -41,7 +41,7 @@ pub fn vehicle(data: &[u8]) {
 
 /// A battery: what is read can be built.
 pub fn battery(data: &[u8]) {
-    if let Ok(file) = voltstep::battery_file::parse("fuzz.toml", data) {
+    if let Ok(file) = voltstep::read::battery::parse("fuzz.toml", data) {
         let dt = Dt::from_s(0.1).expect("a sound step");
         plant_core::battery::MappedBattery::new(file.battery, dt).expect("checked by the reader");
     }
@@ -49,7 +49,7 @@ pub fn battery(data: &[u8]) {
 
 /// A test of a cell.
 pub fn cell(data: &[u8]) {
-    if let Ok(record) = voltstep::cell::parse("fuzz.csv", data) {
+    if let Ok(record) = voltstep::read::cell::parse("fuzz.csv", data) {
         assert!(record.len() >= 2 && record.time_s.windows(2).all(|t| t[0] < t[1]));
         assert!(record.unlogged_ah() >= 0.0 && record.sampling_s() > 0.0);
     }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use voltstep::synthetic::{trip_csv, truth_toml};
+use voltstep::simulate::synthetic::{trip_csv, truth_toml};
 
 fn main() -> std::io::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/trips");

@@ -15,22 +15,20 @@
 //! as on a PC.
 //!
 //! # Map
-//! | Module | What it models |
+//! Each module uses only those above it.
+//!
+//! | Module | What it holds |
 //! |---|---|
-//! | [`model`] | the trait every model shares, and the fixed step [`Dt`] |
-//! | [`num`] | the scalar [`Real`], compensated sums, lookup table, the only calls to `libm` |
-//! | [`error`] | why a parameter set is refused; [`must!`] turns that into a compile error |
-//! | [`battery`] | open-circuit voltage, series resistance, one RC branch, state of charge |
-//! | [`converter`] | averaged four-quadrant converter |
-//! | [`dc_motor`] | winding, back-EMF, rotor |
-//! | [`gearbox`], [`wheel`], [`body`] | from the motor shaft to the road |
-//! | [`rotational`] | a load on a shaft, and the shaft's angle |
-//! | [`slope`] | the road's slope from height and distance |
-//! | [`auxiliary`] | what else draws from the battery |
-//! | [`pid`], [`driver`] | controllers: speed to duty, speed to torque to duty |
-//! | [`sources`], [`sensors`] | inputs over time; what a sensor makes of a value |
+//! | [`num`], [`error`], [`model`] | the scalar [`Real`], compensated sums, lookup table, the only calls to `libm`; why a parameter set is refused ([`must!`] turns that into a compile error); the trait every model shares and the fixed step [`Dt`] |
 //! | [`port`] | what components say to each other within a step |
-//! | [`powertrain`], [`energy`] | the coupled plant and its energy ledger |
+//! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature |
+//! | [`auxiliary`] | what else draws from the battery |
+//! | [`converter`] | averaged four-quadrant converter |
+//! | [`machine`] | electric machines: [`dc`](machine::dc) |
+//! | [`mechanics`] | [`gearbox`](mechanics::gearbox), [`wheel`](mechanics::wheel), [`body`](mechanics::body), [`slope`](mechanics::slope); [`rotational`](mechanics::rotational): a load on a shaft, and its angle |
+//! | [`signal`] | [`sources`](signal::sources) over time, and what [`sensors`](signal::sensors) make of a value |
+//! | [`powertrain`] | the coupled plant, and its energy [`ledger`](powertrain::ledger) |
+//! | [`control`] | [`pid`](control::pid), and [`driver`](control::driver): speed to torque to duty |
 //! | [`presets`] | parameter sets with their sources |
 //!
 //! # Conventions
@@ -45,7 +43,7 @@
 //!
 //! # Example
 //! ```
-//! use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorState};
+//! use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
 //! use plant_core::{Dt, must, presets};
 //!
 //! const DT: Dt = must!(Dt::from_s(0.001));
@@ -61,24 +59,17 @@
 
 pub mod auxiliary;
 pub mod battery;
-pub mod body;
+pub mod control;
 pub mod converter;
-pub mod dc_motor;
-pub mod driver;
-pub mod energy;
 pub mod error;
-pub mod gearbox;
+pub mod machine;
+pub mod mechanics;
 pub mod model;
 pub mod num;
-pub mod pid;
 pub mod port;
 pub mod powertrain;
 pub mod presets;
-pub mod rotational;
-pub mod sensors;
-pub mod slope;
-pub mod sources;
-pub mod wheel;
+pub mod signal;
 
 pub use error::ParamError;
 pub use model::{Dt, Model};

@@ -47,7 +47,7 @@ impl Source {
 
 /// What a machine offers over one step, its own state eliminated: `effort − slope·Δ`, Δ the
 /// increment of the speed. At a shaft the effort is a torque \[N·m\] over rad/s; seen from the
-/// road ([`Winding::reflected`](crate::dc_motor::Winding::reflected)) a force \[N\] over m/s.
+/// road ([`Winding::reflected`](crate::machine::dc::Winding::reflected)) a force \[N\] over m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveLaw {
     /// Torque or force if the speed stayed as it is.

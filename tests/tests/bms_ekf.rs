@@ -7,7 +7,7 @@ use plant_core::battery::{
 use plant_core::num::SocTable;
 use plant_core::presets::PANASONIC_NCR18650PF;
 use plant_core::{Dt, must};
-use voltstep_bms::ekf::{Ekf, EkfInput, EkfParams, EkfState};
+use voltstep_bms::estimate::ekf::{Ekf, EkfInput, EkfParams, EkfState};
 
 /// What single precision may cost in the state of charge.
 const ROUNDING_SOC: f64 = 2e-4;
@@ -25,7 +25,7 @@ macro_rules! ten_hours {
             clippy::cast_possible_truncation
         )]
         fn $name(rate_hz: u32) -> Vec<[f64; 2]> {
-            use $bms::ekf::{Ekf, EkfInput, EkfParams};
+            use $bms::estimate::ekf::{Ekf, EkfInput, EkfParams};
             use $core::battery::{MappedBattery, MappedBatteryInput};
             use $core::presets::PANASONIC_NCR18650PF as CELL;
             let dt = $core::Dt::from_s(1.0 / rate_hz as $real).unwrap();

@@ -5,7 +5,7 @@
 use plant_core::battery::{MappedBattery, MappedBatteryParams, MappedBatteryState};
 use plant_core::port::Source;
 use plant_core::presets::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
-use voltstep_bms::power::{
+use voltstep_bms::estimate::power::{
     Allowance, BoundBy, HORIZONS_S, PowerLimits, PowerParams, TemperatureWindow,
 };
 use voltstep_bms::{Accum, Dt, Estimate, Health};

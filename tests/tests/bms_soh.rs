@@ -5,10 +5,10 @@
 use plant_core::battery::{MappedBattery, MappedBatteryParams, OverSoc};
 use plant_core::num::SocTable;
 use plant_core::presets::PANASONIC_NCR18650PF;
-use plant_core::sensors::{
+use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
-use voltstep_bms::soh::{
+use voltstep_bms::estimate::soh::{
     CapacityEstimator, CapacityInput, CapacityOutput, CapacityParams, ResistanceEstimator,
     ResistanceInput, ResistanceOutput, ResistanceParams,
 };

@@ -41,7 +41,7 @@ fn every_model(folder: &Path, found: &mut BTreeSet<String>) {
 /// The models without a case.
 fn missing(models: &BTreeSet<String>) -> Vec<&str> {
     let covered: BTreeSet<&str> =
-        voltstep::validate::covered().iter().flat_map(|c| c.models.iter().copied()).collect();
+        voltstep::verify::covered().iter().flat_map(|c| c.models.iter().copied()).collect();
     models.iter().map(String::as_str).filter(|m| !covered.contains(m)).collect()
 }
 
@@ -56,7 +56,7 @@ fn every_public_model_has_a_case() {
     assert_eq!(missing(&models), [""; 0], "models without a case in `voltstep validate`");
 
     // No case names a model that is not there.
-    for case in voltstep::validate::covered() {
+    for case in voltstep::verify::covered() {
         for model in case.models {
             assert!(models.contains(*model), "{}: no model `{model}`", case.name);
         }

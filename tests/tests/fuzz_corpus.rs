@@ -37,9 +37,13 @@ fn the_seeds_are_taken() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus");
         std::fs::read(folder.join(path)).unwrap()
     };
-    assert!(voltstep::cycle::parse("x.csv", &seed("cycle/udds-head.csv")).is_ok());
-    assert!(voltstep::trip::parse("x.csv", &seed("trip/synthetic-head.csv")).is_ok());
-    assert!(voltstep::vehicle::parse("x.toml", &seed("vehicle/epowertrain-udds.toml")).is_ok());
-    assert!(voltstep::battery_file::parse("x", &seed("battery/panasonic-ncr18650pf.toml")).is_ok());
-    assert!(voltstep::cell::parse("x.csv", &seed("cell/three.csv")).is_ok());
+    assert!(voltstep::read::cycle::parse("x.csv", &seed("cycle/udds-head.csv")).is_ok());
+    assert!(voltstep::read::trip::parse("x.csv", &seed("trip/synthetic-head.csv")).is_ok());
+    assert!(
+        voltstep::read::vehicle::parse("x.toml", &seed("vehicle/epowertrain-udds.toml")).is_ok()
+    );
+    assert!(
+        voltstep::read::battery::parse("x", &seed("battery/panasonic-ncr18650pf.toml")).is_ok()
+    );
+    assert!(voltstep::read::cell::parse("x.csv", &seed("cell/three.csv")).is_ok());
 }

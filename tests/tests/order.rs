@@ -4,16 +4,16 @@
 use plant_core_f64::battery::{
     Battery, BatteryInput, BatteryState, RcBranch, RcBranchInput, RcBranchParams, RcBranchState,
 };
-use plant_core_f64::body::{Body, BodyInput, BodyState};
-use plant_core_f64::dc_motor::{DcMotor, DcMotorInput, DcMotorState};
-use plant_core_f64::driver::{Driver, DriverInput, DriverState, Feedback};
-use plant_core_f64::pid::{Pid, PidInput, PidParams, PidState};
-use plant_core_f64::powertrain::{Powertrain, PowertrainInput};
+use plant_core_f64::control::driver::{Driver, DriverInput, DriverState};
+use plant_core_f64::control::pid::{Pid, PidInput, PidParams, PidState};
+use plant_core_f64::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
+use plant_core_f64::mechanics::body::{Body, BodyInput, BodyState};
+use plant_core_f64::mechanics::rotational::{
+    RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
+};
+use plant_core_f64::powertrain::{Feedback, Powertrain, PowertrainInput};
 use plant_core_f64::presets::{
     BMW_I3_60AH_EPOWERTRAIN, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS, MOTOR_PASEK, Vehicle,
-};
-use plant_core_f64::rotational::{
-    RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
 };
 use plant_core_f64::{Accum, Dt};
 
@@ -207,13 +207,13 @@ macro_rules! in_precision {
     ($module:ident, $core:ident, $real:ty, $steady:expr) => {
         mod $module {
             use $core::battery::{RcBranch, RcBranchInput, RcBranchParams, RcBranchState};
-            use $core::dc_motor::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
-            use $core::pid::{Pid, PidInput, PidParams, PidState};
-            use $core::powertrain::{Powertrain, PowertrainInput};
-            use $core::presets::{EPOWERTRAIN_UDDS, MOTOR_PASEK};
-            use $core::rotational::{
+            use $core::control::pid::{Pid, PidInput, PidParams, PidState};
+            use $core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
+            use $core::mechanics::rotational::{
                 RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
             };
+            use $core::powertrain::{Powertrain, PowertrainInput};
+            use $core::presets::{EPOWERTRAIN_UDDS, MOTOR_PASEK};
             use $core::{Accum, Dt};
 
             const NINE_DECADES: [$real; 10] =

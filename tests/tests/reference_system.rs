@@ -4,10 +4,10 @@
 //! 1e-8 (UDDS) and 1e-10 (motor), not its printed figures.
 
 use plant_core::Dt;
-use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorParams, DcMotorState};
+use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorParams, DcMotorState};
 use plant_core::presets::{MOTOR_MOMENTS, MOTOR_PASEK};
 use voltstep::cli::Mode;
-use voltstep::replay::{self, Options, Replay};
+use voltstep::simulate::replay::{self, Options, Replay};
 
 /// How close a figure must come.
 #[derive(Clone, Copy)]

@@ -33,8 +33,8 @@ macro_rules! in_precision {
             use super::Figures;
             use $core::Dt;
             use $core::battery::BatteryInput;
-            use $core::driver::{Driver, DriverInput, DriverState, Feedback};
-            use $core::powertrain::{Powertrain, PowertrainInput};
+            use $core::control::driver::{Driver, DriverInput, DriverState};
+            use $core::powertrain::{Feedback, Powertrain, PowertrainInput};
             use $core::presets::EPOWERTRAIN_UDDS;
 
             const STEPS_PER_S: u32 = 1000;
@@ -95,7 +95,7 @@ use precisions::{double, single};
 /// Both precisions side by side; every difference is printed, and held to its bound.
 #[track_caller]
 fn compare(name: &str, times: u32) {
-    let points = voltstep::cycle::by_name("udds").unwrap().points;
+    let points = voltstep::read::cycle::by_name("udds").unwrap().points;
     let (ours, exact) = std::thread::scope(|scope| {
         let ours = scope.spawn(|| single::udds(&points, times));
         let exact = scope.spawn(|| double::udds(&points, times));

@@ -12,16 +12,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState, RcBranchParams};
-use plant_core::body::{Body, BodyInput, BodyState, Road};
+use plant_core::control::pid::{AntiWindup, DerivativeOf, Pid, PidInput, PidParams, PidState};
 use plant_core::converter::Converter;
-use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
-use plant_core::pid::{AntiWindup, DerivativeOf, Pid, PidInput, PidParams, PidState};
+use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
+use plant_core::mechanics::body::{Body, BodyInput, BodyState, Road};
+use plant_core::mechanics::rotational::{RotationalLoad, RotationalLoadState};
+use plant_core::mechanics::slope::Grade;
 use plant_core::port::Source;
-use plant_core::rotational::{RotationalLoad, RotationalLoadState};
-use plant_core::slope::Grade;
 use plant_core::{Accum, Dt, presets};
-use voltstep::route::Route;
-use voltstep::{cycle, run, vehicle};
+use voltstep::read::{cycle, vehicle};
+use voltstep::simulate::route::Route;
+use voltstep::simulate::run;
 
 #[path = "second_reference/tolerances.rs"]
 mod tolerances;

@@ -7,7 +7,7 @@
 
 use std::path::PathBuf;
 
-use voltstep::soc::{self, Case, Estimator, Options, Run};
+use voltstep::evaluate::estimators::{self, Case, Estimator, Options, Run};
 
 /// The rate of the loggers. At 1 Hz a sample's current is a mean over edges that its voltage shows
 /// already: on the aggressive `25c_us06` the error grows by half.
@@ -99,7 +99,7 @@ fn cycles(files: &[PathBuf], names: &[&str]) -> Vec<PathBuf> {
 /// Runs cases over measurements, with the built-in battery.
 fn runs(paths: &[PathBuf], estimator: Estimator, cases: &[Case]) -> Vec<Run> {
     let options = Options { cell: None, estimator, rate_hz: RATE_HZ, cases: cases.to_vec() };
-    let report = soc::run(paths, &options).unwrap();
+    let report = estimators::run(paths, &options).unwrap();
     println!("{estimator:?}\n{}", report.table());
     report.runs
 }

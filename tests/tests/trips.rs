@@ -5,12 +5,12 @@
 
 use std::path::{Path, PathBuf};
 
-use plant_core::body::RoadResistance;
+use plant_core::mechanics::body::RoadResistance;
 use serde_json::Value;
 use voltstep::cli::Mode;
-use voltstep::replay::{self, DEFAULT_VEHICLE, Options, Replay};
-use voltstep::summary::NUMERICAL_WARNING;
-use voltstep::vehicle::{self, Vehicle};
+use voltstep::read::vehicle::{self, Vehicle};
+use voltstep::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
+use voltstep::simulate::summary::NUMERICAL_WARNING;
 
 /// "Good" is speed within ±1.6 km/h in `EPowertrain` (2025), section 5.5.2 \[m/s\].
 const SPEED_RMS_M_S: f64 = 1.6 / 3.6;
@@ -210,7 +210,7 @@ fn truth() -> Vehicle {
 }
 
 fn synthetic_with(vehicle: Vehicle, mode: Mode) -> Replay {
-    let trip = voltstep::trip::read(synthetic()).unwrap();
+    let trip = voltstep::read::trip::read(synthetic()).unwrap();
     let replay = replay::of_trip(vehicle, trip, mode, &options(mode, 1.0)).unwrap();
     check_finite(&replay, mode);
     show(&replay);

@@ -41,7 +41,7 @@ const OTHERWISE: &[(&str, &[&str])] = &[
 const OPTIONAL: &[&str] = &[
     "plant-core/src/num/fast.rs",
     "plant-core/src/num/table_serde.rs",
-    "bms/src/smart_battery.rs",
+    "bms/src/comm/smart_battery.rs",
 ];
 /// Modules whose functions belong to no type.
 const MODULES: &[&str] = &["num", "port", "error"];

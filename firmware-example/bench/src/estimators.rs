@@ -5,11 +5,11 @@ use plant_core::battery::{MappedBattery, MappedBatteryInput, MappedBatteryState}
 use plant_core::presets::PANASONIC_NCR18650PF as CELL;
 use plant_core::{Dt, must};
 use voltstep_bms::Estimate;
-use voltstep_bms::cells::{Cells, CellsInput, CellsOutput, CellsParams, CellsState};
-use voltstep_bms::coulomb::{
+use voltstep_bms::estimate::cells::{Cells, CellsInput, CellsOutput, CellsParams, CellsState};
+use voltstep_bms::estimate::coulomb::{
     CoulombCounter, CoulombInput, CoulombOutput, CoulombParams, CoulombState,
 };
-use voltstep_bms::ekf::{Ekf, EkfInput, EkfOutput, EkfParams, EkfState, Uncertainty};
+use voltstep_bms::estimate::ekf::{Ekf, EkfInput, EkfOutput, EkfParams, EkfState, Uncertainty};
 
 use crate::hprintln;
 use crate::kalman::Kalman;

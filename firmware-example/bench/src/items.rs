@@ -7,30 +7,30 @@ use plant_core::battery::{
     Battery, BatteryInput, BatteryOutput, BatteryState, RcBranch, RcBranchInput, RcBranchOutput,
     RcBranchState,
 };
-use plant_core::body::{Body, BodyInput, BodyOutput, BodyState};
+use plant_core::control::driver::{Driver, DriverInput, DriverOutput, DriverState};
+use plant_core::control::pid::{Pid, PidInput, PidOutput, PidParams, PidState};
 use plant_core::converter::{Converter, ConverterInput, ConverterOutput};
-use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorState};
-use plant_core::driver::{Driver, DriverInput, DriverOutput, DriverState};
-use plant_core::energy::{EnergyLedger, NoLedger};
-use plant_core::gearbox::{Gearbox, GearboxInput, GearboxOutput, GearboxState};
-use plant_core::must;
-use plant_core::pid::{Pid, PidInput, PidOutput, PidParams, PidState};
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
-use plant_core::presets::{BMW_I3_60AH, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS};
-use plant_core::rotational::{
+use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorState};
+use plant_core::mechanics::body::{Body, BodyInput, BodyOutput, BodyState};
+use plant_core::mechanics::gearbox::{Gearbox, GearboxInput, GearboxOutput, GearboxState};
+use plant_core::mechanics::rotational::{
     Axis, AxisInput, AxisOutput, AxisState, RotationalLoad, RotationalLoadInput,
     RotationalLoadOutput, RotationalLoadState,
 };
-use plant_core::sensors::{
+use plant_core::mechanics::slope::{Slope, SlopeInput, SlopeOutput, SlopeParams, SlopeState};
+use plant_core::mechanics::wheel::{Wheel, WheelInput, WheelOutput, WheelState};
+use plant_core::must;
+use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
+use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
+use plant_core::presets::{BMW_I3_60AH, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS};
+use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorOutput, AxialSpeedSensorParams,
     AxialSpeedSensorState, CurrentSensor, CurrentSensorInput, CurrentSensorOutput, SensorParams,
     VoltageSensor, VoltageSensorInput, VoltageSensorOutput,
 };
-use plant_core::slope::{Slope, SlopeInput, SlopeOutput, SlopeParams, SlopeState};
-use plant_core::sources::{
+use plant_core::signal::sources::{
     PhaseState, Sine, SineParams, TimeTable, TimeTableOutput, TimeTableState,
 };
-use plant_core::wheel::{Wheel, WheelInput, WheelOutput, WheelState};
 use voltstep_trace::{
     BMW_I3, BMW_I3_LEDGER, DT, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, Rig, RigState,
 };
@@ -77,8 +77,8 @@ rig!(bench_plant_torque_on, BMW_I3_LEDGER, EnergyLedger);
 
 const I3: plant_core::powertrain::PowertrainParams = BMW_I3_60AH.powertrain;
 const PID: PidParams = match EPOWERTRAIN_UDDS.driver {
-    plant_core::driver::DriverParams::Duty(pid) => pid,
-    plant_core::driver::DriverParams::Torque(_) => PidParams::DEFAULT,
+    plant_core::control::driver::DriverParams::Duty(pid) => pid,
+    plant_core::control::driver::DriverParams::Torque(_) => PidParams::DEFAULT,
 };
 const QUANTISED: SensorParams = SensorParams { quantum: 0.1, ..SensorParams::IDEAL };
 /// Another one, or the linker sees that both sensors are one function.

@@ -10,22 +10,24 @@ use cortex_m_rt::entry;
 use panic_halt as _;
 use plant_core::auxiliary::AuxiliaryInput;
 use plant_core::battery::{BatteryInput, BatteryState, RcBranchInput, RcBranchState};
-use plant_core::body::{BodyInput, BodyState};
+use plant_core::control::driver::{DriverInput, DriverState};
+use plant_core::control::pid::{PidInput, PidState};
 use plant_core::converter::ConverterInput;
-use plant_core::dc_motor::{DcMotorInput, DcMotorState};
-use plant_core::driver::{DriverInput, DriverState};
-use plant_core::gearbox::GearboxInput;
+use plant_core::machine::dc::{DcMotorInput, DcMotorState};
+use plant_core::mechanics::body::{BodyInput, BodyState};
+use plant_core::mechanics::gearbox::GearboxInput;
+use plant_core::mechanics::rotational::{
+    AxisInput, AxisState, RotationalLoadInput, RotationalLoadState,
+};
+use plant_core::mechanics::slope::{SlopeInput, SlopeState};
+use plant_core::mechanics::wheel::WheelInput;
 use plant_core::num::fast::{EXP_RANGE, SQRT_RANGE};
-use plant_core::pid::{PidInput, PidState};
 use plant_core::powertrain::PowertrainInput;
-use plant_core::rotational::{AxisInput, AxisState, RotationalLoadInput, RotationalLoadState};
-use plant_core::sensors::{
+use plant_core::signal::sensors::{
     AxialSpeedSensorInput, AxialSpeedSensorState, CurrentSensorInput, VoltageSensorInput,
 };
-use plant_core::slope::{SlopeInput, SlopeState};
-use plant_core::sources::{PhaseState, TimeTableState};
-use plant_core::wheel::WheelInput;
-use voltstep_bms::coulomb::CoulombInput;
+use plant_core::signal::sources::{PhaseState, TimeTableState};
+use voltstep_bms::estimate::coulomb::CoulombInput;
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
 };

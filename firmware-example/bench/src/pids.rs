@@ -4,9 +4,9 @@
 use dsp_process::SplitProcess;
 use idsp::Build;
 use idsp::iir::{Biquad, BiquadClamp, DirectForm1};
+use plant_core::control::pid::{Pid, PidInput, PidParams, PidState};
 use plant_core::must;
 use plant_core::num::{LARGEST, max};
-use plant_core::pid::{Pid, PidInput, PidParams, PidState};
 use voltstep_trace::DT;
 
 use crate::hprintln;

@@ -4,10 +4,10 @@
 //!
 //! Steps in which a limit acts are counted, as items of their own; the others are not.
 
-use plant_core::driver::DriverInput;
-use plant_core::energy::{Book, EnergyLedger, NoLedger};
+use plant_core::control::driver::DriverInput;
+use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{Limited, PowertrainInput};
-use plant_core::sources::TimeTableOutput;
+use plant_core::signal::sources::TimeTableOutput;
 use voltstep_trace::{BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Rig, RigState};
 
 use voltstep_bench::items::{

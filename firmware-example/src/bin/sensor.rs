@@ -14,7 +14,7 @@ use defmt_semihosting as _;
 use panic_halt as _;
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
 use plant_core::presets::BMW_I3_60AH;
-use plant_core::sensors::{
+use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
 use plant_core::{Dt, must};

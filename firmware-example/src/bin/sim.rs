@@ -15,7 +15,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::{entry, exception};
 use defmt_semihosting as _;
 use panic_halt as _;
-use plant_core::energy::NoLedger;
+use plant_core::powertrain::ledger::NoLedger;
 use semihosting::process::ExitCode;
 use voltstep_trace::{Monitor, Rig, Run};
 

@@ -2,7 +2,7 @@
 //!
 //! `fields NAMES`, then `block N HASH HASH` (plant, estimators) after each block; with a BLOCK also every frame in it.
 
-use plant_core::energy::NoLedger;
+use plant_core::powertrain::ledger::NoLedger;
 use voltstep_trace::{
     BMW_I3, BMW_I3_MONITOR, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run,
 };

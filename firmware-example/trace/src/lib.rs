@@ -14,10 +14,10 @@ pub use rig::{Frame, Rig, RigState};
 pub use run::Run;
 
 use plant_core::Dt;
-use plant_core::energy::{EnergyLedger, NoLedger};
 use plant_core::must;
+use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
 use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
-use plant_core::sources::{AtEnd, TimeTable, TimeTableParams};
+use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams};
 
 /// The step.
 pub const DT: Dt = must!(Dt::from_s(1e-3));

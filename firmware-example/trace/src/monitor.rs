@@ -4,12 +4,12 @@
 use plant_core::ParamError;
 use plant_core::battery::{BatteryParams, MappedBatteryParams};
 use plant_core::powertrain::PowertrainOutput;
-use plant_core::sensors::{
+use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
 use plant_core::{Dt, must};
-use voltstep_bms::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
-use voltstep_bms::ekf::{Ekf, EkfInput, EkfParams, EkfState, Uncertainty};
+use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
+use voltstep_bms::estimate::ekf::{Ekf, EkfInput, EkfParams, EkfState, Uncertainty};
 
 use crate::DT;
 

@@ -1,12 +1,13 @@
 //! A vehicle with its driver in a closed loop.
 
-use plant_core::driver::{Driver, DriverInput, DriverState, Feedback};
-use plant_core::energy::{Book, EnergyLedger, NoLedger};
+use plant_core::control::driver::{Driver, DriverInput, DriverState};
+use plant_core::powertrain::Feedback;
+use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
 use plant_core::presets::Vehicle;
-use plant_core::sources::TimeTableOutput;
+use plant_core::signal::sources::TimeTableOutput;
 use plant_core::{Accum, Dt, ParamError};
-use voltstep_bms::ekf::EkfState;
+use voltstep_bms::estimate::ekf::EkfState;
 
 /// A plant and who drives it.
 #[derive(Clone, Copy, Debug)]

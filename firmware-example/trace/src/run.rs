@@ -1,8 +1,8 @@
 //! A vehicle on its way along the cycle.
 
 use plant_core::ParamError;
-use plant_core::energy::Book;
-use plant_core::sources::TimeTableState;
+use plant_core::powertrain::ledger::Book;
+use plant_core::signal::sources::TimeTableState;
 
 use crate::monitor::{Monitor, MonitorState};
 use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK};

@@ -1,6 +1,6 @@
 //! This machine ends where the golden file says, with the same bits all the way.
 
-use plant_core::energy::NoLedger;
+use plant_core::powertrain::ledger::NoLedger;
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_MONITOR, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Monitor, Rig,
     Run,

@@ -12,8 +12,8 @@ use super::layout::{self, ACTIVATION_UNIT_K, BRANCHES, Layout, place};
 use super::normal::Normal;
 use super::series::{LOWEST_SOC, Measured, Series, coldness};
 use super::thermal::{self, Node};
-use crate::cell::{CellRecord, Kind};
-use crate::trip::Trip;
+use crate::read::cell::{CellRecord, Kind};
+use crate::read::trip::Trip;
 
 /// The resistances' dependence on temperature shows where the temperature spans this \[K\].
 const TELLING_K: f64 = 10.0;

@@ -1,7 +1,7 @@
 //! The capacity: from a slow sweep of a cell, or from the drops of a vehicle's state of charge.
 
-use crate::cell::CellRecord;
-use crate::trip::Trip;
+use crate::read::cell::CellRecord;
+use crate::read::trip::Trip;
 
 use super::series::emptied;
 

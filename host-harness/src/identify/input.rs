@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::capacity::{self, Estimate};
 use super::series::Measured;
-use crate::cell::{self, CellRecord};
-use crate::input_error::{self, InputError};
-use crate::trip::{self, Trip};
+use crate::read::cell::{self, CellRecord};
+use crate::read::error::{self, InputError};
+use crate::read::trip::{self, Trip};
 
 /// The CSV files that `inputs` name: files, and those in folders.
 ///
@@ -19,7 +19,7 @@ pub fn files(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for input in inputs {
         if input.is_dir() {
-            files.extend(crate::measured::csv_files(input)?);
+            files.extend(crate::evaluate::csv_files(input)?);
         } else {
             files.push(input.clone());
         }
@@ -35,7 +35,7 @@ enum Input {
 }
 
 fn read_one(path: &Path) -> Result<Input, InputError> {
-    let (file, bytes) = (path.to_string_lossy(), input_error::read(path)?);
+    let (file, bytes) = (path.to_string_lossy(), error::read(path)?);
     // Trip files separate their columns by semicolons.
     let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
     Ok(if head.contains(&b';') {

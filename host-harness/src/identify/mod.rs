@@ -8,7 +8,6 @@
 
 mod battery;
 mod capacity;
-pub mod command;
 mod cross;
 mod fit;
 mod input;

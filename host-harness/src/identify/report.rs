@@ -7,8 +7,8 @@ use super::battery::Identified;
 use super::capacity::Estimate;
 use super::cross::HeldOut;
 use super::layout::{ACTIVATION_UNIT_K, BRANCHES};
-use crate::measured::{Spread, spread};
-use crate::table::table;
+use crate::evaluate::{Spread, spread};
+use crate::show::table::table;
 
 /// A value with its standard error, null where there is none.
 #[derive(Serialize)]
@@ -181,7 +181,7 @@ impl Identified {
                 format!("above 25 % [{unit}]"),
             );
             let mut rows = table(&["left out of the fit", "parts", &all, &low, &high]);
-            let of = |v: Option<f64>| crate::measured::number(v.map(|v| factor * v), digits);
+            let of = |v: Option<f64>| crate::evaluate::number(v.map(|v| factor * v), digits);
             for r in &self.held_out {
                 rows.add_row([
                     r.name.clone(),

@@ -1,8 +1,8 @@
 //! Tests and trips as one kind of series: current, voltage, state of charge, temperature.
 
 use super::layout::{Layout, Place, place};
-use crate::cell::{self, CellRecord, Kind};
-use crate::trip::Trip;
+use crate::read::cell::{self, CellRecord, Kind};
+use crate::read::trip::Trip;
 
 /// Samples further apart than this, and than [`GAP_SAMPLINGS`] usual steps, are a gap: the battery
 /// is taken as rested after it \[s\].

@@ -11,8 +11,8 @@ use plant_core::battery::{
 use plant_core::num::SocTable;
 
 use super::*;
-use crate::cell::CellRecord;
-use crate::synthetic::Noise;
+use crate::read::cell::CellRecord;
+use crate::simulate::synthetic::Noise;
 
 const CAPACITY_AH: f32 = 3.0;
 /// Standard deviations of the sensors before rounding, and the steps to which they round.

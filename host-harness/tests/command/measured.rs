@@ -88,7 +88,7 @@ fn refuses_a_folder_without_trips() {
 pub fn drive_cycle(bias_v: f32) -> String {
     use plant_core::Dt;
     use plant_core::battery::{MappedBattery, MappedBatteryInput};
-    let cell = voltstep::battery_file::load("panasonic-ncr18650pf").unwrap();
+    let cell = voltstep::read::battery::load("panasonic-ncr18650pf").unwrap();
     let battery = MappedBattery::new(cell.battery, Dt::from_s(0.01).unwrap()).unwrap();
     let mut state = battery.rested_at(1.0, 20.0).unwrap();
     let mut text =

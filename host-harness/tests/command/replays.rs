@@ -1,6 +1,6 @@
 //! What a replay says and leaves.
 
-use plant_core::energy::EnergyReport;
+use plant_core::powertrain::ledger::EnergyReport;
 use serde_json::{Map, Value};
 
 use crate::{OUTPUTS, Sandbox, TRIP};

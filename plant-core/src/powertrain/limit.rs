@@ -2,10 +2,10 @@
 
 use super::{Limited, Powertrain, PowertrainState, Solution, Start};
 use crate::battery::Pack;
-use crate::body::Resistance;
-use crate::energy::Book;
+use crate::mechanics::body::Resistance;
 use crate::num::{Real, max, sqrt};
 use crate::port::Slip;
+use crate::powertrain::ledger::Book;
 
 /// How often the friction mode may change while the duty is sought; there are three modes.
 const TRIES: u32 = 3;

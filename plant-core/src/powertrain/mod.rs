@@ -3,10 +3,11 @@
 //! One walk down the chain eliminates everything but the vehicle's speed increment; one walk back
 //! settles each state from it. No iteration, except a bounded one when a battery limit acts.
 
+pub mod ledger;
 mod limit;
 mod output;
 
-pub use output::{Limited, PowertrainOutput};
+pub use output::{Feedback, Limited, PowertrainOutput};
 
 use core::marker::PhantomData;
 
@@ -14,17 +15,16 @@ use crate::auxiliary::{Auxiliary, AuxiliaryParams};
 use crate::battery::{
     Battery, BatteryParams, BatteryState, MappedBattery, MappedBatteryParams, Pack,
 };
-use crate::body::{Body, BodyParams, BodyState, Motion, Resistance, Road};
 use crate::converter::{Converter, ConverterParams};
-use crate::dc_motor::{DcMotor, DcMotorParams, Winding};
-use crate::driver::Feedback;
-use crate::energy::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
 use crate::error::{ParamError, check};
-use crate::gearbox::{Gearbox, GearboxParams};
+use crate::machine::dc::{DcMotor, DcMotorParams, Winding};
+use crate::mechanics::body::{Body, BodyParams, BodyState, Motion, Resistance, Road};
+use crate::mechanics::gearbox::{Gearbox, GearboxParams};
+use crate::mechanics::wheel::{Wheel, WheelParams};
 use crate::model::{Dt, Model};
 use crate::num::{Accum, Real, sound};
 use crate::port::{Coast, Source};
-use crate::wheel::{Wheel, WheelParams};
+use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
 
 /// What is known about a powertrain: the parameters of its components.
 #[derive(Clone, Copy, Debug, PartialEq)]

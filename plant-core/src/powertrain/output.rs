@@ -2,10 +2,10 @@
 
 use super::{Powertrain, PowertrainState, Solution, Start};
 use crate::battery::{Losses, Pack};
-use crate::body::Road;
-use crate::energy::{Book, Flows};
+use crate::mechanics::body::Road;
 use crate::num::Real;
 use crate::port::Slip;
+use crate::powertrain::ledger::{Book, Flows};
 
 /// Whether a battery limit changed the duty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +57,38 @@ pub struct PowertrainOutput {
     pub motor_rad_s: Real,
     /// The power of every term of the energy ledger \[W\].
     pub flows: Flows,
+}
+
+/// What a driver knows of the vehicle: the end of the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Feedback {
+    /// Speed \[m/s\].
+    pub speed_m_s: Real,
+    /// Winding current \[A\].
+    pub motor_a: Real,
+    /// Voltage at the battery's terminals \[V\].
+    pub battery_v: Real,
+    /// State of charge, 0..1.
+    pub soc: Real,
+    /// The duty applied.
+    pub duty: Real,
+    /// A battery limit changed the duty.
+    pub limited: bool,
+}
+
+impl From<&PowertrainOutput> for Feedback {
+    #[inline]
+    fn from(out: &PowertrainOutput) -> Self {
+        Self {
+            speed_m_s: out.speed_m_s,
+            motor_a: out.motor_a,
+            battery_v: out.battery_v,
+            soc: out.soc,
+            duty: out.duty,
+            limited: out.limited != Limited::No,
+        }
+    }
 }
 
 impl<L: Book, B: Pack> Powertrain<L, B> {

@@ -10,14 +10,14 @@ use std::vec::Vec;
 use super::*;
 use crate::auxiliary::AuxiliaryParams;
 use crate::battery::{BatteryParams, OpenCircuit, RcBranchParams};
-use crate::body::{BodyParams, RoadResistance};
 use crate::converter::{ConverterParams, DROP_FADE_A};
-use crate::dc_motor::DcMotorParams;
-use crate::gearbox::GearboxParams;
+use crate::machine::dc::DcMotorParams;
+use crate::mechanics::body::{BodyParams, RoadResistance};
+use crate::mechanics::gearbox::GearboxParams;
+use crate::mechanics::slope::Grade;
+use crate::mechanics::wheel::WheelParams;
 use crate::num::GRAVITY_M_S2;
 use crate::port::Slip;
-use crate::slope::Grade;
-use crate::wheel::WheelParams;
 
 const H: Real = 0.01;
 const DT: Dt = crate::must!(Dt::from_s(H));
@@ -362,7 +362,9 @@ fn a_refused_step_changes_nothing_and_says_so() {
             assert_eq!(out.motor_nm, FULL.motor.torque_nm_per_a * 33.0);
             assert_eq!(out.motor_rad_s, plant.motor_rad_per_m() * speed);
             assert_eq!(out.slip.sign(), speed.signum() * Real::from(speed != 0.0));
-            assert!(out.flows == crate::energy::Flows::default() && !out.auxiliary_starved);
+            assert!(
+                out.flows == crate::powertrain::ledger::Flows::default() && !out.auxiliary_starved
+            );
         }
     }
 }

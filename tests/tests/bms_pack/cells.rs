@@ -4,7 +4,7 @@ use plant_core::battery::OpenCircuit;
 use plant_core::num::SocTable;
 use plant_core::{Dt, Real};
 use voltstep_bms::Estimate;
-use voltstep_bms::cells::{Cells, CellsInput, CellsParams};
+use voltstep_bms::estimate::cells::{Cells, CellsInput, CellsParams};
 
 use crate::draw::{Honesty, Normal};
 

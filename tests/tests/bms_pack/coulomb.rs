@@ -3,7 +3,7 @@
 use plant_core::battery::OpenCircuit;
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
-use voltstep_bms::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
+use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
 
 use crate::draw::{Honesty, Normal, cases, curve};
 

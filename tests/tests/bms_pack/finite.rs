@@ -3,9 +3,9 @@
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 use voltstep_bms::Estimate;
-use voltstep_bms::cells::{Cells, CellsInput, CellsParams};
-use voltstep_bms::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
-use voltstep_bms::measurement::{Reading, Spread};
+use voltstep_bms::estimate::cells::{Cells, CellsInput, CellsParams};
+use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
+use voltstep_bms::measure::{Reading, Spread};
 
 use crate::draw::{any_bits, cases, curve, log};
 

@@ -5,7 +5,9 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 use proptest::prelude::*;
-use voltstep_bms::record::{Found, LENGTH, Record, RecordError, RecordStore, SaveError, Slot};
+use voltstep_bms::store::record::{
+    Found, LENGTH, Record, RecordError, RecordStore, SaveError, Slot,
+};
 
 use crate::draw::cases;
 

@@ -2,9 +2,9 @@
 
 use plant_core::Dt;
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
-use plant_core::body::Road;
+use plant_core::mechanics::body::Road;
+use plant_core::mechanics::slope::Grade;
 use plant_core::powertrain::{Limited, Powertrain, PowertrainInput, PowertrainParams};
-use plant_core::slope::Grade;
 use proptest::prelude::*;
 
 use crate::check::{any_bits, cases, log, positive, signed};

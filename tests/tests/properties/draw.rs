@@ -5,15 +5,15 @@ use plant_core::battery::{
     BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
     OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
 };
-use plant_core::body::{BodyParams, RoadResistance};
+use plant_core::control::driver::TorqueDriverParams;
+use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::converter::ConverterParams;
-use plant_core::dc_motor::DcMotorParams;
-use plant_core::driver::TorqueDriverParams;
-use plant_core::gearbox::GearboxParams;
+use plant_core::machine::dc::DcMotorParams;
+use plant_core::mechanics::body::{BodyParams, RoadResistance};
+use plant_core::mechanics::gearbox::GearboxParams;
+use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::{LARGEST_PARAM, SMALLEST_PARAM, SocTable};
-use plant_core::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::powertrain::PowertrainParams;
-use plant_core::wheel::WheelParams;
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 

@@ -3,21 +3,21 @@
 use plant_core::auxiliary::{Auxiliary, AuxiliaryInput};
 use plant_core::battery::{Battery, BatteryInput, BatteryState};
 use plant_core::battery::{RcBranch, RcBranchInput, RcBranchState};
-use plant_core::body::{Body, BodyInput, BodyState, Road};
+use plant_core::control::pid::{Pid, PidInput, PidState};
 use plant_core::converter::{Converter, ConverterInput};
-use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorSpeedInput, DcMotorState};
-use plant_core::gearbox::{Gearbox, GearboxInput};
-use plant_core::pid::{Pid, PidInput, PidState};
-use plant_core::rotational::{Axis, AxisInput, AxisState};
-use plant_core::rotational::{
+use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorSpeedInput, DcMotorState};
+use plant_core::mechanics::body::{Body, BodyInput, BodyState, Road};
+use plant_core::mechanics::gearbox::{Gearbox, GearboxInput};
+use plant_core::mechanics::rotational::{Axis, AxisInput, AxisState};
+use plant_core::mechanics::rotational::{
     RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
 };
-use plant_core::sensors::{
+use plant_core::mechanics::slope::{Grade, Slope, SlopeInput, SlopeParams, SlopeState};
+use plant_core::mechanics::wheel::{Wheel, WheelInput};
+use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorParams, AxialSpeedSensorState,
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
-use plant_core::slope::{Grade, Slope, SlopeInput, SlopeParams, SlopeState};
-use plant_core::wheel::{Wheel, WheelInput};
 use proptest::prelude::*;
 
 use crate::check::{check, inputs, keeps, positive, signed};

@@ -1,11 +1,12 @@
 //! No input and no parameter makes the plant, its drivers or a source infinite.
 
-use plant_core::body::Road;
-use plant_core::driver::{Driver, DriverInput, DriverOutput, DriverParams, DriverState, Feedback};
+use plant_core::control::driver::{Driver, DriverInput, DriverOutput, DriverParams, DriverState};
+use plant_core::mechanics::body::Road;
+use plant_core::mechanics::slope::Grade;
 use plant_core::num::LARGEST_PARAM;
+use plant_core::powertrain::Feedback;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
-use plant_core::slope::Grade;
-use plant_core::sources::{
+use plant_core::signal::sources::{
     AtEnd, Ramp, RampParams, Saturation, SaturationParams, Sine, SineParams, Square, SquareParams,
     Step, StepParams, TimeTable, TimeTableParams, UnitDelay, UnitDelayParams, UnitDelayState,
 };

@@ -76,8 +76,8 @@ macro_rules! residual_and_turnover {
         let start = plant.at_speed(0.6, case.speed_m_s.into()).unwrap();
         let mut s = start;
         for stretch in &case.stretches {
-            let road = $core::body::Road {
-                grade: $core::slope::Grade::from_sin(stretch.sin.into()),
+            let road = $core::mechanics::body::Road {
+                grade: $core::mechanics::slope::Grade::from_sin(stretch.sin.into()),
                 headwind_m_s: stretch.headwind_m_s.into(),
                 brake_n: stretch.brake_n.into(),
             };

@@ -2,12 +2,12 @@
 
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, BatteryState};
-use plant_core::body::Road;
 use plant_core::converter::ConverterParams;
+use plant_core::mechanics::body::Road;
+use plant_core::mechanics::slope::Grade;
 use plant_core::powertrain::{
     Limited, Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams,
 };
-use plant_core::slope::Grade;
 use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;
 

@@ -1,9 +1,9 @@
 //! A battery with maps: finite for any input, its charge booked, its books closed in the plant.
 
 use plant_core::battery::{MappedBattery, MappedBatteryInput};
-use plant_core::body::Road;
+use plant_core::mechanics::body::Road;
+use plant_core::mechanics::slope::Grade;
 use plant_core::powertrain::{Powertrain, PowertrainInput};
-use plant_core::slope::Grade;
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 

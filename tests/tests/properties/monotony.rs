@@ -1,10 +1,10 @@
 //! More current, brake or duty acts the way it should, from any state.
 
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
-use plant_core::body::Road;
 use plant_core::converter::ConverterParams;
+use plant_core::mechanics::body::Road;
+use plant_core::mechanics::slope::Grade;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
-use plant_core::slope::Grade;
 use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;
 

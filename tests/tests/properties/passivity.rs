@@ -1,9 +1,9 @@
 //! Without a source the stored energy never rises.
 
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::body::Road;
 use plant_core::converter::ConverterParams;
-use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
+use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
+use plant_core::mechanics::body::Road;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
 use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;

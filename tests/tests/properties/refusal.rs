@@ -2,23 +2,25 @@
 
 use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
 use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranch, RcBranchParams};
-use plant_core::body::{Body, BodyParams, RoadResistance};
+use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
+use plant_core::control::pid::{Pid, PidParams};
 use plant_core::converter::{Converter, ConverterParams};
-use plant_core::dc_motor::{DcMotor, DcMotorParams};
-use plant_core::driver::{Driver, DriverParams, TorqueDriverParams};
-use plant_core::gearbox::{Gearbox, GearboxParams};
+use plant_core::machine::dc::{DcMotor, DcMotorParams};
+use plant_core::mechanics::body::{Body, BodyParams, RoadResistance};
+use plant_core::mechanics::gearbox::{Gearbox, GearboxParams};
+use plant_core::mechanics::rotational::{RotationalLoad, RotationalLoadParams};
+use plant_core::mechanics::slope::{Slope, SlopeParams};
+use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
-use plant_core::pid::{Pid, PidParams};
 use plant_core::powertrain::{Powertrain, PowertrainParams};
 use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
-use plant_core::rotational::{RotationalLoad, RotationalLoadParams};
-use plant_core::sensors::{AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor};
-use plant_core::slope::{Slope, SlopeParams};
-use plant_core::sources::{
+use plant_core::signal::sensors::{
+    AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
+};
+use plant_core::signal::sources::{
     AtEnd, Ramp, RampParams, Saturation, SaturationParams, Sine, SineParams, Square, SquareParams,
     Step, StepParams, TimeTable, TimeTableParams, UnitDelay, UnitDelayParams,
 };
-use plant_core::wheel::{Wheel, WheelParams};
 use plant_core::{Dt, ParamError, Real, must};
 use proptest::prelude::*;
 

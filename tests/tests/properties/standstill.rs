@@ -1,11 +1,11 @@
 //! Friction holds a vehicle on a slope exactly, up to its limit.
 
 use plant_core::Dt;
-use plant_core::body::{Body, BodyInput, BodyParams, BodyState, Road, RoadResistance};
+use plant_core::mechanics::body::{Body, BodyInput, BodyParams, BodyState, Road, RoadResistance};
+use plant_core::mechanics::slope::Grade;
 use plant_core::num::GRAVITY_M_S2;
 use plant_core::port::Slip;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
-use plant_core::slope::Grade;
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive};

@@ -1,11 +1,11 @@
 //! Mirrored inputs give the mirrored motion, bit for bit: nothing in the plant knows forward from
 //! backward.
 
-use plant_core::body::Road;
-use plant_core::dc_motor::{DcMotor, DcMotorInput, DcMotorState};
+use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
+use plant_core::mechanics::body::Road;
+use plant_core::mechanics::slope::Grade;
 use plant_core::port::Slip;
 use plant_core::powertrain::{Powertrain, PowertrainInput};
-use plant_core::slope::Grade;
 use plant_core::{Accum, Dt};
 use proptest::prelude::*;
 

@@ -5,10 +5,10 @@
 use cortex_m_rt::entry;
 use panic_halt as _;
 use plant_core::battery::{BatteryInput, BatteryState, RcBranchInput, RcBranchState};
-use plant_core::dc_motor::{DcMotorInput, DcMotorState};
+use plant_core::control::pid::{PidInput, PidState};
+use plant_core::machine::dc::{DcMotorInput, DcMotorState};
 use plant_core::num::fast::{EXP_RANGE, SQRT_RANGE};
-use plant_core::pid::{PidInput, PidState};
-use plant_core::sources::TimeTableState;
+use plant_core::signal::sources::TimeTableState;
 use voltstep_trace::{
     BMW_I3, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Fnv1a, Frame, REFERENCE, STEPS_PER_BLOCK,
 };

@@ -1,0 +1,3 @@
+//! What outlives a power cut.
+
+pub mod record;

@@ -1,0 +1,422 @@
+use plant_core::battery::OpenCircuit;
+use plant_core::presets;
+
+use super::*;
+
+/// A sound file; tests change one line of it.
+const EXAMPLE: &str = r#"name = "cart"
+description = "a cart"
+source = "made up"
+initial_soc = 0.5
+
+[battery]
+capacity_ah = 10
+series_resistance_ohm = 0.1
+discharge_limit_a = 100.0
+charge_limit_a = inf
+
+[battery.open_circuit.linear]
+empty_v = 40.0
+full_v = 50.0
+
+[battery.polarisation]
+resistance_ohm = 0.01
+capacitance_f = 1_000.0
+
+[motor]
+resistance_ohm = 0.1
+inductance_h = 1e-4
+back_emf_v_s_per_rad = 0.1
+torque_nm_per_a = 0.1
+inertia_kg_m2 = 1e-3
+viscous_nm_s_per_rad = 0
+coulomb_nm = 0
+
+[gearbox]
+ratio = 5.0
+efficiency = 0.95
+inertia_kg_m2 = 0.0
+
+[wheel]
+radius_m = 0.2
+inertia_kg_m2 = 0.0
+viscous_nm_s_per_rad = 0.0
+
+[body]
+mass_kg = 200.0
+
+[body.resistance.coast-down]
+a_n = 20.0
+b_n_s_per_m = 0.5
+c_n_s2_per_m2 = 0.3
+
+[driver.duty]
+proportional = 0.5
+output_min = -1.0
+output_max = 1.0
+anti_windup = "freeze"
+"#;
+
+/// What is said about the example with `from` replaced by `to`.
+fn said(from: &str, to: &str) -> String {
+    assert_eq!(EXAMPLE.matches(from).count(), 1, "{from}");
+    parse("x.toml", EXAMPLE.replace(from, to).as_bytes()).unwrap_err().to_string()
+}
+
+#[track_caller]
+fn says(from: &str, to: &str, expected: &str) {
+    assert_eq!(said(from, to), format!("x.toml:{expected}"));
+}
+
+#[test]
+fn every_built_in_file_equals_its_preset_and_the_other_way_round() {
+    let built_in = builtin();
+    let in_files: Vec<_> = names().collect();
+    let in_presets: Vec<_> = presets::VEHICLES.iter().map(|preset| preset.name).collect();
+    assert_eq!(in_files, in_presets);
+    assert_eq!(built_in.len(), in_presets.len());
+    for (vehicle, preset) in built_in.iter().zip(presets::VEHICLES) {
+        assert_eq!(vehicle.name, preset.name);
+        assert_eq!(vehicle.initial_soc.to_bits(), preset.initial_soc.to_bits(), "{}", preset.name);
+        assert_eq!(vehicle.powertrain, preset.powertrain, "{}", preset.name);
+        assert_eq!(vehicle.driver, preset.driver, "{}", preset.name);
+        assert!(!vehicle.description.is_empty() && !vehicle.description.contains('\n'));
+        assert!(!vehicle.source.is_empty());
+        assert_eq!(&load(preset.name).unwrap(), vehicle);
+    }
+}
+
+#[test]
+fn every_vehicle_file_is_built_in_and_has_its_source() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/vehicles");
+    let sources = std::fs::read_to_string(folder.join("SOURCE.toml")).unwrap();
+    let sources: toml::Table = sources.parse().unwrap();
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        if stem != "SOURCE" {
+            let from_path = load(path.to_str().unwrap()).unwrap();
+            assert_eq!(from_path, load(&stem).unwrap());
+            assert_eq!(from_path.name, stem);
+            for key in ["file", "origin", "licence", "units"] {
+                assert!(sources[&stem][key].is_str(), "{stem}: {key}");
+            }
+            files.push(stem);
+        }
+    }
+    files.sort();
+    let mut names: Vec<_> = names().collect();
+    names.sort_unstable();
+    assert_eq!(files, names);
+    assert_eq!(sources.len(), names.len());
+}
+
+#[test]
+fn reads_the_example_and_fills_in_what_may_be_left_out() {
+    let cart = parse("x.toml", EXAMPLE.as_bytes()).unwrap();
+    assert_eq!(cart.powertrain.auxiliary, AuxiliaryParams::NONE);
+    assert_eq!(cart.powertrain.converter, ConverterParams::IDEAL);
+    assert_eq!(cart.powertrain.battery.polarisation.capacitance_f.to_bits(), 1000_f32.to_bits());
+    let windows = EXAMPLE.replace('\n', "\r\n");
+    assert_eq!(parse("x.toml", format!("\u{feff}{windows}").as_bytes()).unwrap(), cart);
+}
+
+#[test]
+fn reads_a_table_of_the_open_circuit_voltage() {
+    let linear = "[battery.open_circuit.linear]\nempty_v = 40.0\nfull_v = 50.0\n";
+    let with = |points: &str| {
+        EXAMPLE.replace(linear, &format!("[battery.open_circuit]\ntable = {points}\n"))
+    };
+    let vehicle = parse("x.toml", with("[[0, 40], [0.5, 48.0], [1, 50]]").as_bytes()).unwrap();
+    let OpenCircuit::Table(table) = vehicle.powertrain.battery.open_circuit else { panic!() };
+    assert!((table.at(0.5) - 48.0).abs() < 1e-6);
+    for (points, expected) in [
+        (
+            "[[0, 40], [1, \"full\"]]",
+            "13:23: `table[1][1]` in [battery.open_circuit]: expected a number, found the text \"full\"",
+        ),
+        (
+            "[[0, 40], [0, 50]]",
+            "13:9: `table` in [battery.open_circuit] must have two \
+             entries at least, each finite and above the one before",
+        ),
+        (
+            "[[0, 50], [1, 40]]",
+            "13:1: `table` in [battery.open_circuit] must not decrease from one entry to the next, \
+             found [[0, 50], [1, 40]]",
+        ),
+        (
+            "3",
+            "13:9: `table` in [battery.open_circuit]: expected a list of 2 to 257 pairs \
+             [state of charge, value], found a number",
+        ),
+    ] {
+        let error = parse("x.toml", with(points).as_bytes()).unwrap_err();
+        assert_eq!(error.to_string(), format!("x.toml:{expected}"));
+    }
+}
+
+#[test]
+fn a_battery_map_is_built_in_or_a_file_beside_the_vehicle() {
+    let folder = tempfile::tempdir().unwrap();
+    let vehicle = |map: &str| {
+        let path = folder.path().join("cart.toml");
+        let text = EXAMPLE
+            .replace("initial_soc = 0.5", &format!("initial_soc = 0.5\nbattery_map = \"{map}\""));
+        std::fs::write(&path, text).unwrap();
+        load(&path.to_string_lossy())
+    };
+    let map = vehicle("panasonic-ncr18650pf").unwrap();
+    assert!((map.capacity_ah() - 2.97).abs() < 0.1, "{}", map.capacity_ah());
+    let own = include_str!("../../../data/batteries/panasonic-ncr18650pf.toml");
+    std::fs::write(folder.path().join("own.toml"), own).unwrap();
+    assert_eq!(vehicle("own.toml").unwrap().battery_map, map.battery_map);
+    for (name, expected) in [
+        ("panasonic", ":5:1: `battery_map` cannot be used"),
+        ("nowhere.toml", "nowhere.toml: cannot read"),
+    ] {
+        let error = vehicle(name).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn an_unknown_key() {
+    says("mass_kg", "masss_kg", "40:1: unknown key `masss_kg` in [body]; did you mean `mass_kg`?");
+    says(
+        "name =",
+        "  title =",
+        "1:3: unknown key `title`; expected one of `name`, `description`, `source`, \
+         `initial_soc`, `battery_map`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
+         `driver`",
+    );
+    says(
+        "a_n =",
+        "drag_coefficient =",
+        "43:1: unknown key `drag_coefficient` in [body.resistance.coast-down]; expected one of \
+         `a_n`, `b_n_s_per_m`, `c_n_s2_per_m2`",
+    );
+}
+
+#[test]
+fn a_misspelt_table() {
+    says("[body]", "[boddy]", "39:2: unknown table [boddy]; did you mean [body]?");
+    says(
+        "[driver.duty]",
+        "[driver.dutty]",
+        "47:9: unknown table [driver.dutty]; did you mean [driver.duty]?",
+    );
+    says(
+        "[battery.open_circuit.linear]",
+        "[battery.open_circuit.liner]",
+        "12:23: unknown table [battery.open_circuit.liner]; did you mean [battery.open_circuit.linear]?",
+    );
+}
+
+#[test]
+fn a_missing_key_or_table() {
+    says("mass_kg = 200.0\n", "", "39:2: missing key `mass_kg` in [body]");
+    says("full_v = 50.0\n", "", "12:23: missing key `full_v` in [battery.open_circuit.linear]");
+    says("name = \"cart\"\n", "", "1:1: missing key `name`");
+    let without = "[gearbox]\nratio = 5.0\nefficiency = 0.95\ninertia_kg_m2 = 0.0\n";
+    says(without, "", "1:1: missing key `gearbox`");
+}
+
+#[test]
+fn one_variant_and_no_more() {
+    says(
+        "[driver.duty]",
+        "[driver.torque]\n[driver.duty]",
+        "48:9: only one of `duty`, `torque` may stand in [driver]",
+    );
+    says(
+        "[body.resistance.coast-down]",
+        "[body.resistance]",
+        "43:1: unknown key `a_n` in [body.resistance]; expected one of `physical`, `coast-down`",
+    );
+    says(
+        "mass_kg = 200.0\n\n[body.resistance.coast-down]",
+        "mass_kg = 200.0\nresistance = {}\n[other]",
+        "41:1: `resistance` in [body]: expected one of `physical`, `coast-down`, found an empty table",
+    );
+    says(
+        "\"freeze\"",
+        "\"freez\"",
+        "51:15: unknown value `freez` of `anti_windup` in [driver.duty]; did you mean `freeze`?",
+    );
+    says(
+        "\"freeze\"",
+        "1",
+        "51:15: `anti_windup` in [driver.duty]: expected one of `freeze`, `directional`, found a \
+         number",
+    );
+}
+
+#[test]
+fn values_that_break_a_rule() {
+    let positive = "must be finite and between 1e-12 and 1e12, found";
+    says(
+        "mass_kg = 200.0",
+        "mass_kg = -200.0",
+        &format!("40:1: `mass_kg` in [body] {positive} -200.0"),
+    );
+    says("mass_kg = 200.0", "mass_kg = nan", &format!("40:1: `mass_kg` in [body] {positive} nan"));
+    says("mass_kg = 200.0", "mass_kg = 0x0", &format!("40:1: `mass_kg` in [body] {positive} 0x0"));
+    says(
+        "a_n = 20.0",
+        "a_n = -1",
+        "43:1: `a_n` in [body.resistance.coast-down] must be finite, zero or above, and at most \
+         1e12, found -1",
+    );
+    says(
+        "output_max = 1.0",
+        "output_max = -2.0",
+        "50:1: `output_max` in [driver.duty] must lie above the field that limits it from below, \
+         found -2.0",
+    );
+    says(
+        "full_v = 50.0",
+        "full_v = 30.0",
+        "14:1: `full_v` in [battery.open_circuit.linear] must not decrease from one entry to the \
+         next, found 30.0",
+    );
+    for soc in ["1.01", "-0.1", "nan"] {
+        says(
+            "initial_soc = 0.5",
+            &format!("initial_soc = {soc}"),
+            &format!("4:1: `initial_soc` must lie in 0..1, found {soc}"),
+        );
+    }
+}
+
+/// Keys whose values are no numbers.
+const TEXTS: [&str; 6] =
+    ["name", "description", "source", "battery_map", "derivative_of", "anti_windup"];
+
+#[test]
+fn every_field_that_the_models_check_has_its_place() {
+    let numbers = |text: &str| {
+        let mut table = String::new();
+        let mut found = Vec::new();
+        for (i, line) in text.lines().enumerate() {
+            if let Some(name) = line.strip_prefix('[') {
+                name.split(']').next().unwrap_or("").clone_into(&mut table);
+            } else if let Some((key, _)) = line.split_once(" = ")
+                && !line.starts_with('#')
+                && !TEXTS.contains(&key)
+            {
+                found.push((i, table.clone(), key.to_owned()));
+            }
+        }
+        found
+    };
+    for (name, text) in BUILT_IN {
+        let found = numbers(text);
+        assert!(found.len() > 30, "{name}");
+        for (i, table, key) in found {
+            let line = format!("{key} = nan");
+            let lines: Vec<_> =
+                text.lines().enumerate().map(|(n, l)| if n == i { &line } else { l }).collect();
+            let error = parse("x", lines.join("\n").as_bytes()).unwrap_err();
+            let subject = if table.is_empty() {
+                format!("`{key}` ")
+            } else {
+                format!("`{key}` in [{table}] ")
+            };
+            assert_eq!((error.line, error.column), (Some(i as u64 + 1), Some(1)), "{error}");
+            assert!(error.message.starts_with(&subject), "{error}");
+            assert!(error.message.ends_with("found nan"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn values_of_the_wrong_type() {
+    let mass =
+        |found: &str| format!("40:11: `mass_kg` in [body]: expected a number, found {found}");
+    says("mass_kg = 200.0", "mass_kg = \"heavy\"", &mass("the text \"heavy\""));
+    says("mass_kg = 200.0", "mass_kg = true", &mass("`true`"));
+    says("mass_kg = 200.0", "mass_kg = [1]", &mass("a list"));
+    says("mass_kg = 200.0", "mass_kg = 2020-01-01", &mass("a date"));
+    says(
+        "mass_kg = 200.0",
+        "mass_kg.x = 1",
+        "40:1: `mass_kg` in [body]: expected a number, found a table",
+    );
+    says("\"a cart\"", "3", "2:15: `description`: expected a text, found a number");
+    says(
+        "mass_kg = 200.0",
+        "mass_kg = 1e99",
+        "40:11: `mass_kg` in [body]: the number is too large (inf for no limit)",
+    );
+    says(
+        "[driver.duty]",
+        "[[driver.duty]]",
+        "47:1: `duty` in [driver]: expected a table, found a list",
+    );
+    says(
+        "[body.resistance.coast-down]",
+        "resistance.coast-down = [1, 2, 3]\n[x]",
+        "42:25: `coast-down` in [body.resistance]: expected a table, found a list",
+    );
+    says("name =", "battery = 3\nname =", "7:2: duplicate key");
+    let body = "[body]\nmass_kg = 200.0\n\n[body.resistance.coast-down]";
+    says(
+        body,
+        "[x]",
+        "39:2: unknown table [x]; expected one of `name`, `description`, `source`, \
+         `initial_soc`, `battery_map`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
+         `driver`",
+    );
+}
+
+#[test]
+fn syntax_errors() {
+    says(
+        "mass_kg = 200.0",
+        "mass_kg = heavy",
+        "40:11: string values must be quoted, expected literal string",
+    );
+    let place = |from, to| {
+        let said = said(from, to);
+        said.split(' ').next().unwrap().to_owned()
+    };
+    assert_eq!(place("mass_kg = 200.0", "mass_kg = "), "x.toml:40:11:");
+    assert_eq!(place("mass_kg = 200.0", "mass_kg 200.0"), "x.toml:40:9:");
+    assert_eq!(place("mass_kg = 200.0", "mass_kg = 1\nmass_kg = 2"), "x.toml:41:1:");
+    assert_eq!(place("\"cart\"", "\"cart"), "x.toml:1:13:");
+    let error = parse("x.toml", b"name = \"a\"\nb = \"\xFF\"").unwrap_err();
+    assert_eq!(error.to_string(), "x.toml:2:6: not a text: expected UTF-8");
+    assert_eq!(parse("x.toml", b"").unwrap_err().to_string(), "x.toml:1:1: missing key `name`");
+}
+
+#[test]
+fn a_name_that_is_not_known() {
+    let list = "(built in: `bmw-i3-60ah`, `bmw-i3-60ah-epowertrain`, `epowertrain-udds`, \
+                `epowertrain-udds-table`; or the path of a .toml file)";
+    let error = load("bmw-i3-60").unwrap_err().to_string();
+    assert_eq!(error, format!("bmw-i3-60: no such vehicle; did you mean `bmw-i3-60ah`? {list}"));
+    assert_eq!(load("tank").unwrap_err().to_string(), format!("tank: no such vehicle {list}"));
+    let error = load("nowhere.toml").unwrap_err().to_string();
+    assert!(error.starts_with("nowhere.toml: cannot read: "), "{error}");
+    assert!(load("nowhere/").unwrap_err().message.starts_with("cannot read: "));
+}
+
+#[test]
+fn no_damage_makes_it_panic() {
+    let bytes = EXAMPLE.as_bytes();
+    for i in 0..bytes.len() {
+        let _ = parse("x", &bytes[..i]);
+        for byte in [0, b'\n', b'"', b'[', b'.', b'=', b'{', b'9', 0xC3, 0xFF] {
+            let mut damaged = bytes.to_vec();
+            damaged[i] = byte;
+            let _ = parse("x", &damaged);
+        }
+    }
+    for deep in ["[", "{a=", "a."] {
+        let text = format!("name = {}", deep.repeat(100_000));
+        assert!(parse("x", text.as_bytes()).is_err());
+        assert!(parse("x", deep.repeat(100_000).as_bytes()).is_err());
+    }
+}

@@ -1,0 +1,156 @@
+//! A cycle or a trip as the plant's inputs over time.
+
+use plant_core::mechanics::slope::Grade;
+
+use crate::read::cycle::Cycle;
+use crate::read::trip::Trip;
+
+/// Trace rows of a cycle are no further apart than this \[s\].
+const CYCLE_ROW_S: f64 = 0.1;
+/// The slope of a trip is measured over this distance to either side \[m\]: its heights come in
+/// steps of a metre.
+const SLOPE_REACH_M: f64 = 50.0;
+/// Steeper slopes than any public road are errors of the height.
+const LARGEST_SIN: f64 = 0.25;
+
+/// A speed to follow, and what acts on the vehicle meanwhile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Route {
+    /// What holds from each row to the next, and where a trace row is kept; times rise from 0.
+    pub rows: Vec<Row>,
+}
+
+/// One instant of a route.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time \[s\].
+    pub time_s: f64,
+    /// The speed to follow, linear to the next row \[m/s\].
+    pub speed_m_s: f64,
+    /// Slope of the road, to the next row.
+    pub grade: Grade,
+    /// Auxiliary power beside the vehicle's own, to the next row \[W\].
+    pub auxiliary_w: f32,
+    /// Measured temperature of the battery \[°C\]; NaN where there is none.
+    pub battery_c: f32,
+}
+
+impl Row {
+    /// At rest on a flat road.
+    pub const FLAT: Self = Self {
+        time_s: 0.0,
+        speed_m_s: 0.0,
+        grade: Grade::FLAT,
+        auxiliary_w: 0.0,
+        battery_c: f32::NAN,
+    };
+}
+
+impl Route {
+    /// A flat road. Every point of the cycle is a row, with others between.
+    #[must_use]
+    pub fn of_cycle(cycle: &Cycle) -> Self {
+        let start_s = cycle.points.first().map_or(0.0, |p| f64::from(p.0));
+        let flat = |time_s, speed_m_s| Row { time_s: time_s - start_s, speed_m_s, ..Row::FLAT };
+        let mut rows = Vec::new();
+        for pair in cycle.points.windows(2) {
+            let ((t0, v0), (t1, v1)) = (pair[0], pair[1]);
+            let ((t0, v0), (t1, v1)) =
+                ((f64::from(t0), f64::from(v0)), (f64::from(t1), f64::from(v1)));
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+            let parts = ((t1 - t0) / CYCLE_ROW_S - 1e-6).ceil().max(1.0) as u32;
+            rows.extend((0..parts).map(|i| {
+                let along = f64::from(i) / f64::from(parts);
+                flat(t0 + along * (t1 - t0), v0 + along * (v1 - v0))
+            }));
+        }
+        rows.extend(cycle.points.last().map(|&(t, v)| flat(f64::from(t), f64::from(v))));
+        Self { rows }
+    }
+
+    /// The trip's speed, slope and auxiliary power; a row per sample.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+    pub fn of_trip(trip: &Trip) -> Self {
+        let start_s = trip.time_s.first().copied().unwrap_or(0.0);
+        let grades = grades(trip);
+        let rows = (0..trip.time_s.len())
+            .map(|i| Row {
+                time_s: trip.time_s[i] - start_s,
+                speed_m_s: trip.speed_m_s[i],
+                grade: grades[i],
+                auxiliary_w: trip.auxiliary_w(i) as f32,
+                battery_c: trip.battery_c.get(i).map_or(f32::NAN, |c| *c as f32),
+            })
+            .collect();
+        Self { rows }
+    }
+
+    /// How long it takes \[s\].
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.rows.last().map_or(0.0, |r| r.time_s)
+    }
+}
+
+/// The slope at each sample: the rise over the road from 50 m before to 50 m after.
+#[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+fn grades(trip: &Trip) -> Vec<Grade> {
+    let n = trip.time_s.len();
+    let mut distance_m = vec![0.0; n];
+    for i in 1..n {
+        let mean = 0.5 * (trip.speed_m_s[i] + trip.speed_m_s[i - 1]);
+        distance_m[i] = distance_m[i - 1] + mean.max(0.0) * (trip.time_s[i] - trip.time_s[i - 1]);
+    }
+    let (mut behind, mut ahead) = (0, 0);
+    (0..n)
+        .map(|i| {
+            while distance_m[i] - distance_m[behind] > SLOPE_REACH_M {
+                behind += 1;
+            }
+            while ahead + 1 < n && distance_m[ahead] - distance_m[i] < SLOPE_REACH_M {
+                ahead += 1;
+            }
+            let along_m = distance_m[ahead] - distance_m[behind];
+            let rise_m = trip.elevation_m[ahead] - trip.elevation_m[behind];
+            // Too short a way says nothing, at the ends of a trip or where it hardly moves.
+            if along_m < SLOPE_REACH_M || !rise_m.is_finite() {
+                return Grade::FLAT;
+            }
+            Grade::from_sin((rise_m / along_m).clamp(-LARGEST_SIN, LARGEST_SIN) as f32)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cycle_has_rows_to_its_end() {
+        let cycle = crate::read::cycle::by_name("udds").unwrap();
+        let route = Route::of_cycle(&cycle);
+        assert_eq!((route.rows.len(), route.duration_s()), (13_691, 1369.0));
+        assert!(route.rows.windows(2).all(|w| w[0].time_s < w[1].time_s));
+        let point = cycle.points[200];
+        let row = route.rows.iter().find(|r| r.time_s == f64::from(point.0)).unwrap();
+        assert_eq!(row.speed_m_s, f64::from(point.1), "every point of the cycle is a row");
+    }
+
+    #[test]
+    fn a_constant_climb_is_found_away_from_its_ends() {
+        let n = 2000;
+        let along = |i: usize| i as f64; // 10 m/s at 10 Hz
+        let trip = Trip {
+            time_s: (0..n).map(|i| 100.0 + i as f64 * 0.1).collect(),
+            speed_m_s: vec![10.0; n],
+            elevation_m: (0..n).map(|i| 0.04 * along(i)).collect(),
+            ..crate::read::trip::Trip::empty("climb", n)
+        };
+        let route = Route::of_trip(&trip);
+        assert_eq!(route.rows[0].time_s, 0.0);
+        for row in &route.rows {
+            assert!((row.grade.sin - 0.04).abs() < 1e-3, "{row:?}");
+        }
+    }
+}

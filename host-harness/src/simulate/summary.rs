@@ -1,0 +1,187 @@
+//! The figures of a replay, as JSON.
+
+use std::collections::BTreeMap;
+
+use anyhow::Context;
+use plant_core::powertrain::ledger::EnergyReport;
+use serde::Serialize;
+
+use crate::simulate::comparison::Deviation;
+use crate::simulate::run::Run;
+
+/// Joules in a kilowatt-hour.
+pub const J_PER_KWH: f64 = 3.6e6;
+/// Above this share of the throughput the step's own dissipation is worth a warning.
+pub const NUMERICAL_WARNING: f64 = 0.01;
+
+/// Figures that a replay and a measurement have in common.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Distance \[km\].
+    pub distance_km: f64,
+    /// State of charge at the start, 0..1.
+    pub soc_initial: f64,
+    /// State of charge at the end, 0..1.
+    pub soc_final: f64,
+    /// Net energy at the battery's terminals \[kWh\].
+    pub battery_energy_kwh: f64,
+    /// The same per distance \[Wh/km\]; absent where nothing moved.
+    pub consumption_wh_per_km: Option<f64>,
+    /// Lowest motor torque \[N·m\]; absent where there was none to see.
+    pub motor_torque_min_nm: Option<f64>,
+    /// Highest motor torque \[N·m\].
+    pub motor_torque_max_nm: Option<f64>,
+    /// Lowest battery current \[A\], negative when charging.
+    pub battery_current_min_a: f64,
+    /// Highest battery current \[A\].
+    pub battery_current_max_a: f64,
+    /// Lowest battery voltage \[V\].
+    pub battery_voltage_min_v: f64,
+}
+
+impl Figures {
+    /// From sums and extremes.
+    #[must_use]
+    pub fn new(
+        distance_km: f64,
+        soc: (f64, f64),
+        battery_energy_j: f64,
+        motor_torque_nm: Option<(f64, f64)>,
+        battery_current_a: (f64, f64),
+        battery_voltage_min_v: f64,
+    ) -> Self {
+        let battery_energy_kwh = battery_energy_j / J_PER_KWH;
+        Self {
+            distance_km,
+            soc_initial: soc.0,
+            soc_final: soc.1,
+            battery_energy_kwh,
+            consumption_wh_per_km: (distance_km > 1e-3)
+                .then(|| battery_energy_kwh * 1000.0 / distance_km),
+            motor_torque_min_nm: motor_torque_nm.map(|t| t.0),
+            motor_torque_max_nm: motor_torque_nm.map(|t| t.1),
+            battery_current_min_a: battery_current_a.0,
+            battery_current_max_a: battery_current_a.1,
+            battery_voltage_min_v,
+        }
+    }
+}
+
+/// Everything that `summary.json` says.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The vehicle's name.
+    pub vehicle: String,
+    /// The cycle's or trip's name.
+    pub input: String,
+    /// `cycle`, `trip` or `battery`.
+    pub mode: &'static str,
+    /// The step \[s\].
+    pub dt_s: f64,
+    /// How many steps.
+    pub steps: u64,
+    /// Time spent stepping \[s\].
+    pub run_wall_s: f64,
+    /// Simulated time over time spent stepping.
+    pub realtime_factor: f64,
+    /// What the run came to.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// Root mean square of the speed error over every step \[m/s\]; absent in battery mode.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_error_rms_m_s: Option<f64>,
+    /// Largest speed error over every step \[m/s\]; absent in battery mode.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_error_max_m_s: Option<f64>,
+    /// Steps in which a battery limit acted.
+    pub limited_steps: u64,
+    /// Charge that the battery refused \[A·h\]; battery mode only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused_charge_ah: Option<f64>,
+    /// Every term of the energy ledger \[kWh\]; absent where none was kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<BTreeMap<&'static str, f64>>,
+    /// What the ledger does not explain, over the throughput; absent where none was kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_residual_rel: Option<f64>,
+    /// What was measured; on trips.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Figures>,
+    /// Ours minus measured; on trips.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<Deviation>,
+    /// What the user should know: quirks of the data, warnings.
+    pub notes: Vec<String>,
+}
+
+impl Summary {
+    /// The figures of a run.
+    #[must_use]
+    pub fn new(vehicle: &str, input: &str, mode: &'static str, run: &Run, duration_s: f64) -> Self {
+        let (first, last) = (run.trace.first(), run.trace.last());
+        let totals = &run.totals;
+        let pair = |(a, b): (f32, f32)| (f64::from(a), f64::from(b));
+        let drives = mode != "battery";
+        let distance_km = last.map_or(0.0, |r| f64::from(r.distance_m) / 1000.0);
+        #[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
+        let (steps, limited) = (run.steps as f64, totals.limited_steps as f64);
+        let mut notes = Vec::new();
+        if let Some(share) = run.energy.as_ref().and_then(numerical_share)
+            && share > NUMERICAL_WARNING
+        {
+            notes.push(format!(
+                "the step itself dissipates {:.1} % of the throughput: choose a shorter one",
+                100.0 * share
+            ));
+        }
+        if totals.limited_steps > 0 {
+            notes.push(format!("a battery limit acted during {:.1} s", run.dt_s * limited));
+        }
+        Self {
+            vehicle: vehicle.to_owned(),
+            input: input.to_owned(),
+            mode,
+            dt_s: run.dt_s,
+            steps: run.steps,
+            run_wall_s: run.wall.as_secs_f64(),
+            realtime_factor: duration_s / run.wall.as_secs_f64(),
+            figures: Figures::new(
+                distance_km,
+                (
+                    first.map_or(f64::NAN, |r| f64::from(r.soc)),
+                    last.map_or(f64::NAN, |r| f64::from(r.soc)),
+                ),
+                totals.battery_energy_j,
+                drives.then(|| pair(totals.motor_torque_nm)),
+                pair(totals.battery_current_a),
+                f64::from(totals.battery_voltage_min_v),
+            ),
+            speed_error_rms_m_s: drives.then(|| f64::sqrt(totals.speed_error_squares / steps)),
+            speed_error_max_m_s: drives.then(|| f64::from(totals.speed_error_max_m_s)),
+            limited_steps: totals.limited_steps,
+            refused_charge_ah: (!drives).then(|| totals.refused_charge_c / 3600.0),
+            energy: run.energy.map(|report| {
+                report.terms().into_iter().map(|(n, j)| (n, f64::from(j) / J_PER_KWH)).collect()
+            }),
+            energy_residual_rel: run.energy.map(|report| f64::from(report.residual_rel())),
+            measured: None,
+            error: None,
+            notes,
+        }
+    }
+
+    /// The JSON text, with a line end.
+    ///
+    /// # Errors
+    /// None that is known of.
+    pub fn to_json(&self) -> anyhow::Result<String> {
+        let mut text = serde_json::to_string_pretty(self).context("writing JSON")?;
+        text.push('\n');
+        Ok(text)
+    }
+}
+
+/// The step's own dissipation over the throughput.
+fn numerical_share(report: &EnergyReport) -> Option<f64> {
+    (report.throughput > 0.0).then(|| f64::from(report.numerical / report.throughput))
+}

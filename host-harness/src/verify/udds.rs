@@ -1,0 +1,299 @@
+//! UDDS in closed loop, with both parameter sets (`EPowertrain` 2025, section 5.4).
+
+use anyhow::Context;
+
+use super::adaptive::{Clock, integrate};
+use super::equations::{DISTANCE, ENERGY, Parameters, SOC, Stretch, UDDS, UDDS_TABLE, V, Vehicle};
+use super::tolerance::{self as t, Bound};
+use super::{Case, Checks};
+use crate::read::{cycle, vehicle};
+use crate::simulate::route::{Route, Row};
+use crate::simulate::run::{self, Run};
+
+/// The adaptive solver's tolerance.
+const TOLERANCE: f64 = 1e-9;
+/// Its peaks are looked for at this spacing \[s\].
+const PEAKS_S: f64 = 2.5e-4;
+/// Trajectories are compared at this spacing \[s\]: a third of the ringing's period, and ten phases
+/// of it after each kink.
+const ROW_S: f64 = 0.01;
+/// Peaks per row.
+const PER_ROW: u64 = 40;
+/// State of charge at the start.
+const START_SOC: f64 = 0.80;
+
+pub(super) const CASES: [Case; 2] = [
+    Case {
+        name: "UDDS, epowertrain-udds",
+        models: &["Powertrain", "Driver", "Pid", "Battery"],
+        run: |checks| both(checks, "epowertrain-udds", UDDS, &FIRST),
+    },
+    Case {
+        name: "UDDS, epowertrain-udds-table",
+        models: &["Powertrain", "Driver", "Pid", "Battery"],
+        run: |checks| both(checks, "epowertrain-udds-table", UDDS_TABLE, &SECOND),
+    },
+];
+
+/// What a set is checked against: its adaptive solution, runs in steps of 1 ms and of 0.1 ms.
+struct Bounds {
+    adaptive: &'static [Bound; 7],
+    coarse: &'static [Bound; 6],
+    fine: &'static [Bound; 6],
+}
+
+const FIRST: Bounds =
+    Bounds { adaptive: &t::UDDS_ADAPTIVE, coarse: &t::UDDS_1MS, fine: &t::UDDS_100US };
+const SECOND: Bounds = Bounds {
+    adaptive: &t::UDDS_TABLE_ADAPTIVE,
+    coarse: &t::UDDS_TABLE_1MS,
+    fine: &t::UDDS_TABLE_100US,
+};
+
+/// A solution, in samples and figures.
+#[derive(Default)]
+pub(super) struct Trajectory {
+    pub speed: Vec<f64>,
+    pub soc: Vec<f64>,
+    pub energy_kwh: f64,
+    pub distance_km: f64,
+    pub torque: (f64, f64),
+    pub current: (f64, f64),
+    pub error: f64,
+}
+
+fn widen(range: &mut (f64, f64), x: f64) {
+    *range = (range.0.min(x), range.1.max(x));
+}
+
+/// The adaptive solution along a route's speed.
+fn solve(p: Parameters, points: &[(f32, f32)]) -> anyhow::Result<Trajectory> {
+    let mut vehicle = Vehicle::new(p);
+    let mut y = Vehicle::at_rest(START_SOC);
+    let mut found = Trajectory { speed: vec![0.0], soc: vec![START_SOC], ..Trajectory::default() };
+    let mut clock = Clock::new(PEAKS_S);
+    let mut count = 0;
+    for pair in points.windows(2) {
+        let [(t0, v0), (t1, v1)] = [pair[0], pair[1]].map(|(t, v)| (f64::from(t), f64::from(v)));
+        vehicle.stretch = Stretch {
+            from_s: t0,
+            reference: v0,
+            rate: (v1 - v0) / (t1 - t0),
+            ..Stretch::default()
+        };
+        integrate(&mut vehicle, &mut y, (t0, t1), TOLERANCE, &mut clock, |t, y, vehicle| {
+            widen(&mut found.torque, vehicle.torque(y));
+            widen(&mut found.current, vehicle.battery_a(t, y));
+            found.error = found.error.max((vehicle.stretch.reference_at(t) - y[V]).abs());
+            count += 1;
+            if count % PER_ROW == 0 {
+                found.speed.push(y[V]);
+                found.soc.push(y[SOC]);
+            }
+        })?;
+    }
+    (found.energy_kwh, found.distance_km) = (y[ENERGY], y[DISTANCE]);
+    Ok(found)
+}
+
+/// The cycle with rows close enough to compare ringing trajectories.
+fn route(points: &[(f32, f32)]) -> Route {
+    let mut rows = Vec::new();
+    let row = |time_s, speed_m_s| Row { time_s, speed_m_s, ..Row::FLAT };
+    for pair in points.windows(2) {
+        let [(t0, v0), (t1, v1)] = [pair[0], pair[1]].map(|(t, v)| (f64::from(t), f64::from(v)));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+        let parts = ((t1 - t0) / ROW_S).round() as u32;
+        rows.extend((0..parts).map(|i| {
+            let along = f64::from(i) / f64::from(parts);
+            row(t0 + along * (t1 - t0), v0 + along * (v1 - v0))
+        }));
+    }
+    rows.extend(points.last().map(|&(t, v)| row(f64::from(t), f64::from(v))));
+    Route { rows }
+}
+
+/// How far a run is from the adaptive solution.
+pub(super) struct Distance {
+    /// Largest difference of the state of charge.
+    pub soc: f64,
+    /// Difference of the energy out of the battery's chemistry, relative.
+    pub energy_rel: f64,
+    /// Root mean square of the difference in speed \[m/s\].
+    pub speed_rms: f64,
+}
+
+impl Distance {
+    fn between(exact: &Trajectory, run: &Run) -> anyhow::Result<Self> {
+        let energy = run.energy.context("a run without a ledger")?;
+        anyhow::ensure!(run.trace.len() == exact.speed.len(), "the rows do not match");
+        let (mut squares, mut soc, mut count) = (0.0, 0.0_f64, 0.0);
+        for ((row, v), exact_soc) in run.trace.iter().zip(&exact.speed).zip(&exact.soc) {
+            squares += (f64::from(row.speed_m_s) - v).powi(2);
+            soc = soc.max((f64::from(row.soc) - exact_soc).abs());
+            count += 1.0;
+        }
+        let energy_kwh = f64::from(energy.electrochemical) / 3.6e6;
+        let energy_rel = (energy_kwh / exact.energy_kwh - 1.0).abs();
+        Ok(Self { soc, energy_rel, speed_rms: f64::sqrt(squares / count) })
+    }
+}
+
+/// Steps of which the table of step sizes tells \[ms\].
+const STEPS_MS: [f64; 5] = [2.0, 1.0, 0.5, 0.2, 0.1];
+
+/// The error of each step, what it dissipates and how many a second takes, as a Markdown table:
+/// UDDS with `epowertrain-udds` against the adaptive solution.
+///
+/// # Errors
+/// A run that diverged.
+pub fn step_sizes() -> anyhow::Result<String> {
+    let cycle = cycle::by_name("udds").context("no cycle `udds`")?;
+    let vehicle = vehicle::load("epowertrain-udds")?;
+    let route = route(&cycle.points);
+    let exact = solve(UDDS, &cycle.points)?;
+    let mut table = String::from(
+        "| step [ms] | SOC, largest error | energy, error [%] | speed, RMS error [m/s] | \
+         numerical dissipation [%] | steps a second |\n|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for step_ms in STEPS_MS {
+        let run =
+            run::vehicle(&vehicle, &route, vehicle.initial_soc, step_ms / 1000.0, true, false)?;
+        let energy = run.energy.context("a run without a ledger")?;
+        let off = Distance::between(&exact, &run)?;
+        table += &format!(
+            "| {step_ms} | {:.1e} | {:.3} | {:.1e} | {:.4} | {:.0} |\n",
+            off.soc,
+            100.0 * off.energy_rel,
+            off.speed_rms,
+            100.0 * f64::from(energy.numerical / energy.throughput),
+            1000.0 / step_ms,
+        );
+    }
+    Ok(table)
+}
+
+fn both(checks: &mut Checks, name: &str, p: Parameters, bounds: &Bounds) -> anyhow::Result<()> {
+    let cycle = cycle::by_name("udds").context("no cycle `udds`")?;
+    let vehicle = vehicle::load(name)?;
+    let route = route(&cycle.points);
+    let drive = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, false);
+    let (exact, (coarse, fine)) =
+        rayon::join(|| solve(p, &cycle.points), || rayon::join(|| drive(1e-3), || drive(1e-4)));
+    let (exact, coarse, fine) = (exact?, coarse?, fine?);
+    let soc = exact.soc.last().copied().unwrap_or(f64::NAN);
+    let figures = [
+        soc,
+        exact.energy_kwh,
+        exact.torque.0,
+        exact.torque.1,
+        exact.current.0,
+        exact.current.1,
+        exact.error,
+    ];
+    for (bound, figure) in bounds.adaptive.iter().zip(figures) {
+        checks.add(bound, figure);
+    }
+    let first = compare(checks, &exact, &coarse, bounds.coarse, &t::NUMERICAL_1MS)?;
+    let second = compare(checks, &exact, &fine, bounds.fine, &t::NUMERICAL_100US)?;
+    for (bound, ratio) in t::UDDS_GAIN.iter().zip([
+        first.soc / second.soc,
+        first.energy_rel / second.energy_rel,
+        first.speed_rms / second.speed_rms,
+    ]) {
+        checks.add(bound, ratio);
+    }
+    Ok(())
+}
+
+fn compare(
+    checks: &mut Checks,
+    exact: &Trajectory,
+    run: &Run,
+    bounds: &[Bound; 6],
+    numerical: &Bound,
+) -> anyhow::Result<Distance> {
+    let energy = run.energy.context("a run without a ledger")?;
+    let off = Distance::between(exact, run)?;
+    let energy_kwh = f64::from(energy.electrochemical) / 3.6e6;
+    let distance_km = run.trace.last().map_or(f64::NAN, |r| f64::from(r.distance_m) / 1000.0);
+    let case = [
+        (None, off.soc),
+        (Some(exact.energy_kwh), energy_kwh),
+        (None, off.speed_rms),
+        (Some(exact.torque.1), f64::from(run.totals.motor_torque_nm.1)),
+        (Some(exact.current.1), f64::from(run.totals.battery_current_a.1)),
+        (Some(exact.distance_km), distance_km),
+    ];
+    let step = format!("{} ms: ", run.dt_s * 1000.0);
+    let before = checks.list.len();
+    for (bound, (target, obtained)) in bounds.iter().zip(case) {
+        match target {
+            Some(target) => checks.against(bound, target, obtained),
+            None => checks.add(bound, obtained),
+        }
+    }
+    checks.ledger(&energy, numerical);
+    for check in &mut checks.list[before..] {
+        check.quantity.insert_str(0, &step);
+    }
+    Ok(off)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::adaptive::System;
+
+    /// The loop with the PID's smoothing as a state of its own.
+    struct Smoothed(Vehicle);
+
+    impl System<8> for Smoothed {
+        fn slope(&self, t: f64, y: &[f64; 8]) -> [f64; 8] {
+            let (head, duty) = (std::array::from_fn(|i| y[i]), y[7]);
+            let mut slope = [0.0; 8];
+            slope[..7].copy_from_slice(&self.0.slope_at(duty, t, &head));
+            slope[7] = 1e6 * (self.0.target(t, &head) - duty);
+            slope
+        }
+
+        fn margin(&self, t: f64, y: &[f64; 8]) -> f64 {
+            self.0.margin(t, &std::array::from_fn(|i| y[i]))
+        }
+
+        fn switch(&mut self, t: f64, y: &mut [f64; 8]) {
+            let mut head = std::array::from_fn(|i| y[i]);
+            self.0.switch(t, &mut head);
+            y[..7].copy_from_slice(&head);
+        }
+
+        fn scale(&self) -> [f64; 8] {
+            let mut scale = [1e-2; 8];
+            scale[..7].copy_from_slice(&self.0.scale());
+            scale
+        }
+    }
+
+    #[test]
+    fn eliminating_the_smoothing_changes_nothing_that_is_compared() {
+        let mut vehicle = Vehicle::new(UDDS);
+        vehicle.stretch = Stretch { rate: 1.5, ..Stretch::default() };
+        let (mut reduced, mut whole) = (vehicle, Smoothed(vehicle));
+        let mut y = Vehicle::at_rest(START_SOC);
+        let mut z = [0.0; 8];
+        z[..7].copy_from_slice(&y);
+        let (mut speeds, mut worst) = (Vec::new(), 0.0_f64);
+        let span = (0.0, 1.0);
+        integrate(&mut reduced, &mut y, span, 1e-10, &mut Clock::new(0.01), |_, y, _| {
+            speeds.push(y[V]);
+        })
+        .unwrap();
+        let mut speeds = speeds.into_iter();
+        integrate(&mut whole, &mut z, span, 1e-10, &mut Clock::new(0.01), |_, z, _| {
+            worst = worst.max((z[V] - speeds.next().unwrap()).abs());
+        })
+        .unwrap();
+        assert!(worst > 0.0 && worst < 1e-7, "{worst}");
+        assert!((y[SOC] - z[SOC]).abs() < 1e-9);
+    }
+}

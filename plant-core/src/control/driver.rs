@@ -1,0 +1,304 @@
+//! Drivers: from a speed reference to a duty and a brake force.
+
+use crate::control::pid::{Pid, PidInput, PidParams, PidState};
+use crate::converter::DROP_FADE_A;
+use crate::error::{ParamError, check, limit, not_negative, positive};
+use crate::model::{Dt, Model};
+use crate::num::{Real, clamp, lag_gain, max, sane};
+use crate::powertrain::{Feedback, PowertrainParams};
+
+/// Below this speed the vehicle counts as standing \[m/s\].
+pub const STANDSTILL_M_S: Real = 0.02;
+
+/// How a vehicle is driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum DriverParams {
+    /// The reference system's: a PID from the speed error straight to the duty; no friction brake.
+    Duty(PidParams),
+    /// A real vehicle's: speed → torque → limits → current → duty, with brake blending.
+    Torque(TorqueDriverParams),
+}
+
+/// What is known about the driver of a real vehicle and its torque control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct TorqueDriverParams {
+    /// The speed controller: from m/s to the force at the road \[N\].
+    pub speed: PidParams,
+    /// Peak torque of the motor \[N·m\], above zero.
+    pub peak_torque_nm: Real,
+    /// Peak mechanical power of the motor \[W\], above zero.
+    pub peak_power_w: Real,
+    /// Largest regenerative torque \[N·m\], ≥ 0.
+    pub regen_torque_nm: Real,
+    /// Largest regenerative mechanical power \[W\], above zero.
+    pub regen_power_w: Real,
+    /// Below this speed regeneration fades to zero \[m/s\], above zero.
+    pub regen_fade_m_s: Real,
+    /// Regeneration fades to zero over this last share of the state of charge, above zero.
+    pub regen_fade_soc: Real,
+    /// Largest force of the friction brake at the road \[N\], above zero; it holds at standstill.
+    pub brake_limit_n: Real,
+    /// Bandwidth of the current controller \[1/s\], above zero.
+    pub current_rate_per_s: Real,
+}
+
+/// What drives a [`Driver`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriverInput {
+    /// The speed to follow \[m/s\].
+    pub reference_m_s: Real,
+    /// How fast it changes, as feed-forward \[m/s²\]; 0 where it is not known.
+    pub reference_m_s2: Real,
+    /// The vehicle.
+    pub vehicle: Feedback,
+}
+
+/// What a [`Driver`] commands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DriverOutput {
+    /// Duty of the converter.
+    pub duty: Real,
+    /// Force of the friction brake \[N\], ≥ 0.
+    pub brake_n: Real,
+    /// An input was not finite or absurd: the driver holds its last command.
+    pub rejected: bool,
+}
+
+/// The state of a [`Driver`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DriverState {
+    /// The speed controller.
+    pub speed: PidState,
+    last_duty: Real,
+    last_brake_n: Real,
+}
+
+/// A driver, discretised for one step. A sampled controller: it sees the end of the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Driver {
+    /// See [`DriverParams::Duty`].
+    Duty(Pid),
+    /// See [`DriverParams::Torque`].
+    Torque(TorqueDriver),
+}
+
+/// See [`DriverParams::Torque`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueDriver {
+    params: TorqueDriverParams,
+    speed: Pid,
+    motor_rad_per_m: Real,
+    per_motor_rad_m: Real,
+    mass_kg: Real,
+    torque_nm_per_a: Real,
+    /// The current controller's voltage per commanded torque \[V/(N·m)\].
+    v_per_nm: Real,
+    back_emf_v_s_per_m: Real,
+    drop_v: Real,
+    current_gain_ohm: Real,
+    full_regen_soc: Real,
+}
+
+impl Driver {
+    /// Checks `params` and fits the driver to a vehicle, for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(
+        params: DriverParams,
+        vehicle: &PowertrainParams,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        match params {
+            DriverParams::Duty(pid) => Ok(Self::Duty(check!(Pid::new(pid, dt)))),
+            DriverParams::Torque(torque) => {
+                Ok(Self::Torque(check!(TorqueDriver::new(torque, vehicle, dt))))
+            }
+        }
+    }
+
+    /// Decides on one step.
+    #[inline(always)]
+    pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
+        match self {
+            Self::Duty(pid) => {
+                let command = pid.step_fed_back(
+                    &mut state.speed,
+                    PidInput {
+                        reference: input.reference_m_s,
+                        measurement: input.vehicle.speed_m_s,
+                    },
+                    input.vehicle.duty,
+                );
+                DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
+            }
+            Self::Torque(driver) => driver.step(state, input),
+        }
+    }
+}
+
+impl Model for Driver {
+    type State = DriverState;
+    type Input = DriverInput;
+    type Output = DriverOutput;
+
+    #[inline]
+    fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
+        Self::step(self, state, input)
+    }
+}
+
+impl TorqueDriver {
+    /// Checks `params` and fits the driver to a vehicle, for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn new(
+        params: TorqueDriverParams,
+        vehicle: &PowertrainParams,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        check!(limit("driver.torque.peak_torque_nm", params.peak_torque_nm));
+        check!(limit("driver.torque.peak_power_w", params.peak_power_w));
+        check!(not_negative("driver.torque.regen_torque_nm", params.regen_torque_nm));
+        check!(limit("driver.torque.regen_power_w", params.regen_power_w));
+        check!(positive("driver.torque.regen_fade_m_s", params.regen_fade_m_s));
+        let fade_soc = check!(positive("driver.torque.regen_fade_soc", params.regen_fade_soc));
+        check!(positive("driver.torque.brake_limit_n", params.brake_limit_n));
+        let rate = check!(positive("driver.torque.current_rate_per_s", params.current_rate_per_s));
+        let radius_m = check!(positive("wheel.radius_m", vehicle.wheel.radius_m));
+        let ratio = check!(positive("gearbox.ratio", vehicle.gearbox.ratio));
+        let kt = check!(positive("motor.torque_nm_per_a", vehicle.motor.torque_nm_per_a));
+        let motor_rad_per_m = ratio / radius_m;
+        let inertia = vehicle.motor.inertia_kg_m2 + vehicle.gearbox.inertia_kg_m2;
+        // At most L/h, so that the loop is stable at any step.
+        let current_gain_ohm = vehicle.motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s());
+        Ok(Self {
+            speed: check!(Pid::new(params.speed, dt)),
+            motor_rad_per_m,
+            per_motor_rad_m: 1.0 / motor_rad_per_m,
+            mass_kg: vehicle.body.mass_kg
+                + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
+                + inertia * motor_rad_per_m * motor_rad_per_m,
+            torque_nm_per_a: kt,
+            v_per_nm: (current_gain_ohm
+                + vehicle.motor.resistance_ohm
+                + vehicle.converter.resistance_ohm)
+                / kt,
+            back_emf_v_s_per_m: vehicle.motor.back_emf_v_s_per_rad * motor_rad_per_m,
+            drop_v: vehicle.converter.voltage_drop_v,
+            current_gain_ohm,
+            full_regen_soc: 1.0 - fade_soc,
+            params,
+        })
+    }
+
+    /// Whether every limit allows a torque, counted in the direction of motion.
+    #[inline(always)]
+    fn allows(&self, torque_nm: Real, speed_m_s: Real, soc: Real) -> bool {
+        let p = &self.params;
+        let power_w = torque_nm * self.motor_rad_per_m * speed_m_s;
+        if torque_nm >= 0.0 {
+            torque_nm <= p.peak_torque_nm && power_w <= p.peak_power_w
+        } else {
+            torque_nm >= -p.regen_torque_nm
+                && power_w >= -p.regen_power_w
+                && speed_m_s >= p.regen_fade_m_s
+                && soc <= self.full_regen_soc
+        }
+    }
+
+    /// The torque that the limits leave of one, counted in the direction of motion.
+    #[cold]
+    fn allowed_nm(&self, torque_nm: Real, speed_m_s: Real, soc: Real) -> Real {
+        let p = &self.params;
+        let motor_rad_s = self.motor_rad_per_m * speed_m_s;
+        let within = |torque_nm: Real, power_w: Real| {
+            if torque_nm * motor_rad_s > power_w { power_w / motor_rad_s } else { torque_nm }
+        };
+        let fade = clamp(speed_m_s / p.regen_fade_m_s, 0.0, 1.0)
+            * clamp((1.0 - soc) / p.regen_fade_soc, 0.0, 1.0);
+        clamp(
+            torque_nm,
+            -within(p.regen_torque_nm, p.regen_power_w) * fade,
+            within(p.peak_torque_nm, p.peak_power_w),
+        )
+    }
+
+    /// Decides on one step.
+    #[inline(always)]
+    pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
+        let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
+        let (v, i) = (vehicle.speed_m_s, vehicle.motor_a);
+        // What does not wait for the speed controller: back-EMF, voltage.
+        let idle_v = self.back_emf_v_s_per_m * v - self.current_gain_ohm * i
+            + self.drop_v * i / (i.abs() + DROP_FADE_A);
+        let per_v = 1.0 / max(vehicle.battery_v, 1.0);
+
+        let mut next = *state;
+        let controller =
+            self.speed.step(&mut next.speed, PidInput { reference: reference_m_s, measurement: v });
+        let force_n = controller.output + self.mass_kg * reference_m_s2;
+        let wanted_nm = force_n * self.per_motor_rad_m;
+        let (mut command_nm, mut brake_n) = (wanted_nm, 0.0);
+        let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
+        if !free || vehicle.limited || next.speed.held_back() {
+            (command_nm, brake_n) = self.blend(&mut next, &input, wanted_nm);
+        }
+        let duty = (self.v_per_nm * command_nm + idle_v) * per_v;
+
+        let sound = !controller.rejected
+            && sane(duty.abs() + brake_n + force_n.abs() + vehicle.soc.abs())
+            && sane(i.abs() + reference_m_s2.abs() + vehicle.battery_v.abs());
+        if sound {
+            *state = DriverState { last_duty: duty, last_brake_n: brake_n, ..next };
+        }
+        DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
+    }
+
+    /// The torque command \[N·m\] and the friction brake \[N\] where a limit acts, backwards, and at
+    /// standstill: the brake takes what the motor may not do, or what the battery does not let it
+    /// do. Tells the speed controller which way it is held back.
+    #[cold]
+    fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
+        let vehicle = &input.vehicle;
+        let v = vehicle.speed_m_s;
+        if input.reference_m_s.abs() + v.abs() < STANDSTILL_M_S {
+            state.speed.reset();
+            return (0.0, self.params.brake_limit_n);
+        }
+        let forward = if v == 0.0 { input.reference_m_s >= 0.0 } else { v > 0.0 };
+        // From here on torques and forces count in the direction of motion.
+        let way = if forward { 1.0 } else { -1.0 };
+        let wanted_nm = way * wanted_nm;
+        let command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
+        let mut short_nm = command_nm - wanted_nm;
+        if vehicle.limited && wanted_nm < 0.0 {
+            short_nm += max(way * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
+        }
+        let demand_n = short_nm * self.motor_rad_per_m;
+        let direction = if demand_n < 0.0 {
+            way // the drive gives less than wanted
+        } else if demand_n > self.params.brake_limit_n {
+            -way // even the brake does
+        } else {
+            0.0
+        };
+        Pid::saturate(&mut state.speed, direction);
+        (way * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,3 @@
+//! Electric machines.
+
+pub mod dc;

@@ -1,0 +1,4 @@
+//! Inputs over time, and what a sensor makes of a value.
+
+pub mod sensors;
+pub mod sources;
