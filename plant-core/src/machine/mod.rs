@@ -1,3 +1,4 @@
-//! Electric machines.
+//! Electric machines, and what turns three phases into one vector.
 
 pub mod dc;
+pub mod transform;
