@@ -250,6 +250,40 @@ pub const MOTOR_MEASURED: [Bound; 5] = [
 
 const READING: &str = "what the parameters, identified on the same motor, allow";
 
+/// The synchronous machine's start against the adaptive solution: current, speed.
+pub const PMSM_TRAJECTORY: [Bound; 2] = [
+    Bound::new("current / peak, largest difference", None, AtMost(1e-3), ADAPTIVE, PMSM_STEP),
+    Bound::new("speed / final speed, largest difference", None, AtMost(5e-4), ADAPTIVE, PMSM_STEP),
+];
+
+const PMSM_STEP: &str = "first order at 1 µs; it starts within 0.5 ms";
+
+/// Its currents and its speed once nothing changes, in steps of 1 ms.
+pub const PMSM_STEADY: [Bound; 3] = [
+    Bound::new("steady current of the d axis [A]", None, Relative(2e-4), ADAPTIVE, STEADY),
+    Bound::new("steady current of the q axis [A]", None, Relative(2e-4), ADAPTIVE, STEADY),
+    Bound::new("steady speed [rad/s]", None, Relative(1e-5), ADAPTIVE, STEADY),
+];
+pub const PMSM_BALANCE: Bound = Bound { quantity: "energy balance / throughput", ..GEAR_BALANCE };
+
+/// The machine under field-oriented control: a step of the torque.
+pub const FOC_STEP: Bound = Bound::new(
+    "torque / its step, largest difference",
+    None,
+    AtMost(3e-3),
+    CLOSED,
+    "one lag, h·bandwidth = 0.01 at 10 µs",
+);
+/// Its field weakened: currents, torque, voltage.
+pub const FOC_WEAKENED: [Bound; 4] = [
+    Bound::new("weakening current of the d axis [A]", None, Relative(1e-3), CLOSED, WEAKENED),
+    Bound::new("weakened: current of the q axis [A]", None, Relative(1e-3), CLOSED, WEAKENED),
+    Bound::new("weakened: torque [N·m]", None, Relative(1e-3), CLOSED, WEAKENED),
+    Bound::new("weakened: voltage [V]", None, Relative(1e-3), CLOSED, WEAKENED),
+];
+
+const WEAKENED: &str = "three passes for the drop at the resistance";
+
 /// The converter bench's energy balance.
 pub const BENCH_BALANCE: Bound = Bound::new(
     "energy balance / throughput",

@@ -12,6 +12,8 @@ use crate::control::driver::{DriverParams, TorqueDriverParams};
 use crate::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use crate::converter::ConverterParams;
 use crate::machine::dc::DcMotorParams;
+use crate::machine::flux::{Flux, LinearFlux};
+use crate::machine::pmsm::PmsmParams;
 use crate::mechanics::body::{BodyParams, RoadResistance};
 use crate::mechanics::gearbox::GearboxParams;
 use crate::mechanics::rotational::RotationalLoadParams;
@@ -83,6 +85,18 @@ const UDDS_PID: PidParams = PidParams {
     output_max: Real::INFINITY,
     smoothing_per_s: 1e6,
     anti_windup: AntiWindup::Freeze,
+};
+
+/// The synchronous machine that EPowertrain (2025) has by default.
+pub const PMSM_EPOWERTRAIN: PmsmParams = PmsmParams {
+    flux: Flux::Linear(LinearFlux { magnet_wb: 0.125, d_h: 7e-3, q_h: 7e-3 }),
+    resistance_ohm: 2.98,
+    resistance_per_k: 0.0,
+    pole_pairs: 2,
+    iron_s: 0.0,
+    inertia_kg_m2: 4.7e-5,
+    viscous_nm_s_per_rad: 1.1e-4,
+    coulomb_nm: 0.0,
 };
 
 /// Table 5.5 of EPowertrain (2025), to the letter.
