@@ -44,7 +44,7 @@ const OPTIONAL: &[&str] = &[
     "bms/src/comm/smart_battery.rs",
 ];
 /// Modules whose functions belong to no type.
-const MODULES: &[&str] = &["num", "port", "error"];
+const MODULES: &[&str] = &["num", "port", "error", "transform"];
 
 pub fn is_panic(symbol: &str) -> bool {
     symbol.contains("core::panicking") || symbol.contains("rust_begin_unwind")

@@ -16,10 +16,15 @@ use plant_core::battery::{
     MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
 };
 use plant_core::control::driver::{Driver, TorqueDriver};
+use plant_core::control::foc::reference::Torque;
+use plant_core::control::foc::{Foc, FocState};
 use plant_core::control::pid::{Pid, PidState};
 use plant_core::converter::Converter;
 use plant_core::error;
 use plant_core::machine::dc::{CurrentLaw, DcMotor, Winding};
+use plant_core::machine::flux::Flux;
+use plant_core::machine::pmsm::{DqLaw, DqWinding, Pmsm, PmsmInput, PmsmState};
+use plant_core::machine::transform::{self, Abc, AlphaBeta, Dq, RotorAngle};
 use plant_core::mechanics::body::{Body, Resistance};
 use plant_core::mechanics::gearbox::Gearbox;
 use plant_core::mechanics::rotational::{Axis, RotationalLoad};
@@ -51,7 +56,7 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 const CELLS: usize = 18;
 const SENSORS: usize = 4;
 type CellsState = cells::CellsState<CELLS>;
-type Measurements = measurement::Measurements<CELLS, SENSORS>;
+type Measurements = measure::Measurements<CELLS, SENSORS>;
 type RecordStore = record::RecordStore<flash::Flash>;
 
 /// Keeps functions that the linker would drop.
@@ -93,6 +98,14 @@ fn components() {
         Converter::seen_through, Converter::step,
         CurrentLaw::increment_a, Winding::reflected, Winding::law,
         DcMotor::new, DcMotor::winding, DcMotor::coast, DcMotor::step, DcMotor::step_at_speed,
+        Flux::at, Flux::near, Flux::energy_j,
+        DqWinding::reflected, DqWinding::flux, DqWinding::pole_pairs, DqWinding::is_coarse,
+        DqWinding::law, DqLaw::increment_a, DqLaw::admit, DqLaw::voltage_v, DqLaw::field_v,
+        DqLaw::torque_nm, Pmsm::new, Pmsm::winding, Pmsm::coast, Pmsm::step, Pmsm::step_at_speed,
+        PmsmInput::cold, PmsmState::current_a,
+        Dq::dot, Dq::turned, Dq::length, Dq::within, Dq::to_stator, AlphaBeta::to_rotor,
+        AlphaBeta::to_phases, Abc::to_vector, RotorAngle::of_turns, transform::duties,
+        transform::averaged_inverter,
         Gearbox::new, Gearbox::coast, Gearbox::loss_ratio, Gearbox::step,
         Wheel::new, Wheel::axle_rad_s, Wheel::coast, Wheel::step,
         Axis::new, Axis::step,
@@ -107,6 +120,7 @@ fn components() {
 fn drive() {
     keep!(
         Driver::new, Driver::step, TorqueDriver::new, TorqueDriver::step,
+        Foc::new, Foc::step, FocState::lacking_v, Torque::currents,
         PidState::integral, PidState::output, PidState::reset,
         Pid::new, Pid::preload, Pid::feed_back, Pid::saturate, Pid::step,
         Plain::new, Powertrain::with_ledger, Ledgered::energy, WithBattery::with_battery::<MappedBatteryParams>,
