@@ -7,6 +7,7 @@
 //! | `bms_power` | the state of power's currents and powers, tried on the plant |
 //! | `bms_soh` | the state of health of a faded cell after ten days of driving and charging |
 //! | `coverage` | every public model has a case in `voltstep validate` |
+//! | `pmsm` | the synchronous machine against its equations, saturation included, and on a measured map |
 //! | `order` | order of convergence, stability and steady state at any step |
 //! | `properties` | what is true of the models for any input and any parameters (proptest) |
 //! | `reference_system` | the published reference system: UDDS in closed loop, the DC motor's step |

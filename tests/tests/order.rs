@@ -5,15 +5,18 @@ use plant_core_f64::battery::{
     Battery, BatteryInput, BatteryState, RcBranch, RcBranchInput, RcBranchParams, RcBranchState,
 };
 use plant_core_f64::control::driver::{Driver, DriverInput, DriverState};
+use plant_core_f64::control::foc::{Foc, FocInput, FocParams, FocState};
 use plant_core_f64::control::pid::{Pid, PidInput, PidParams, PidState};
 use plant_core_f64::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
+use plant_core_f64::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
 use plant_core_f64::mechanics::body::{Body, BodyInput, BodyState};
 use plant_core_f64::mechanics::rotational::{
     RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
 };
 use plant_core_f64::powertrain::{Feedback, Powertrain, PowertrainInput};
 use plant_core_f64::presets::{
-    BMW_I3_60AH_EPOWERTRAIN, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS, MOTOR_PASEK, Vehicle,
+    BMW_I3_60AH_EPOWERTRAIN, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS, MOTOR_PASEK, PMSM_EPOWERTRAIN,
+    Vehicle,
 };
 use plant_core_f64::{Accum, Dt};
 
@@ -85,6 +88,33 @@ fn the_motor_is_of_first_order() {
             m.step(&mut s, input).current_a
         })
     });
+}
+
+/// Alone it is compared with its continuous equations in `pmsm`.
+#[test]
+fn field_oriented_control_is_of_first_order_from_10_khz() {
+    const LONGEST: f64 = 1e-4;
+    for (pick, what) in ["speed", "torque", "current of the d axis"].into_iter().enumerate() {
+        converges(&format!("synchronous machine under control, {what}"), 6, |n| {
+            let h = LONGEST / f64::from(1_u32 << n);
+            let params = FocParams { bandwidth_rad_s: 1000.0, ..FocParams::DEFAULT };
+            let foc = Foc::new(params, PMSM_EPOWERTRAIN, dt(h)).unwrap();
+            let machine = Pmsm::new(PMSM_EPOWERTRAIN, dt(h)).unwrap();
+            let (mut control, mut state) = (FocState::default(), PmsmState::default());
+            // Fast enough in the end that the field is weakened.
+            at_common_instants(LONGEST, n, 0.2, |t| {
+                let input = FocInput {
+                    torque_nm: 0.2 * smooth(10.0 * t),
+                    current_a: state.current_a(),
+                    speed_rad_s: state.speed_rad_s.get(),
+                    bus_v: 120.0,
+                };
+                let voltage_v = foc.step(&mut control, input).voltage_v;
+                let out = machine.step(&mut state, PmsmInput::cold(voltage_v, 0.02));
+                [out.speed_rad_s, out.torque_nm, out.current_a.d][pick]
+            })
+        });
+    }
 }
 
 #[test]

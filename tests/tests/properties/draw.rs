@@ -6,9 +6,12 @@ use plant_core::battery::{
     OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
 };
 use plant_core::control::driver::TorqueDriverParams;
+use plant_core::control::foc::FocParams;
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::DcMotorParams;
+use plant_core::machine::flux::{Flux, LinearFlux};
+use plant_core::machine::pmsm::PmsmParams;
 use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
@@ -208,6 +211,33 @@ pub fn motor(d: &mut Draw) -> DcMotorParams {
 /// With Kt and Ke apart.
 pub fn lossy_motor(d: &mut Draw) -> DcMotorParams {
     DcMotorParams { torque_nm_per_a: d.near(0.4), ..motor(d) }
+}
+
+/// A synchronous machine with constant inductances.
+pub fn pmsm(d: &mut Draw) -> PmsmParams {
+    PmsmParams {
+        flux: Flux::Linear(LinearFlux {
+            magnet_wb: d.near(0.05),
+            d_h: d.near(1e-4),
+            q_h: d.near(2e-4),
+        }),
+        resistance_ohm: d.near(0.01),
+        resistance_per_k: 0.007 * d.ratio(),
+        pole_pairs: 1 + (11.0 * f64::from(d.ratio())) as u16,
+        iron_s: d.near_or(0.02, 0.0),
+        inertia_kg_m2: d.near(0.03),
+        viscous_nm_s_per_rad: d.near_or(5e-4, 0.0),
+        coulomb_nm: d.near_or(0.1, 0.0),
+    }
+}
+
+pub fn foc(d: &mut Draw) -> FocParams {
+    FocParams {
+        bandwidth_rad_s: d.near_or(2000.0, Real::INFINITY),
+        current_limit_a: d.near_or(400.0, Real::INFINITY),
+        torque_limit_nm: d.near_or(250.0, Real::INFINITY),
+        voltage_share: d.ratio().max(0.01),
+    }
 }
 
 pub fn gearbox(d: &mut Draw) -> GearboxParams {

@@ -3,9 +3,12 @@
 use plant_core::auxiliary::{Auxiliary, AuxiliaryInput};
 use plant_core::battery::{Battery, BatteryInput, BatteryState};
 use plant_core::battery::{RcBranch, RcBranchInput, RcBranchState};
+use plant_core::control::foc::{Foc, FocInput, FocState};
 use plant_core::control::pid::{Pid, PidInput, PidState};
 use plant_core::converter::{Converter, ConverterInput};
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorSpeedInput, DcMotorState};
+use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmSpeedInput, PmsmState};
+use plant_core::machine::transform::Dq;
 use plant_core::mechanics::body::{Body, BodyInput, BodyState, Road};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxInput};
 use plant_core::mechanics::rotational::{Axis, AxisInput, AxisState};
@@ -98,6 +101,48 @@ fn dc_motor_at_an_imposed_speed() {
         let model = DcMotor::new(params, dt).unwrap();
         keeps(DcMotorState::default(), &inputs, |s, [voltage_v, speed_rad_s]| {
             let out = model.step_at_speed(s, DcMotorSpeedInput { voltage_v, speed_rad_s });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn synchronous_machine_with_a_free_shaft() {
+    let model = some(PERMITTED, |d| (draw::pmsm(d), d.dt()));
+    let inputs = inputs([signed(200.0), signed(200.0), signed(300.0), signed(100.0)]);
+    check(768, (model, inputs), |((params, dt), inputs)| {
+        let model = Pmsm::new(params, dt).unwrap();
+        keeps(PmsmState::default(), &inputs, |s, [d, q, load_nm, winding_c]| {
+            let out = model.step(s, PmsmInput { voltage_v: Dq { d, q }, load_nm, winding_c });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn synchronous_machine_at_an_imposed_speed() {
+    let model = some(PERMITTED, |d| (draw::pmsm(d), d.dt()));
+    let inputs = inputs([signed(200.0), signed(200.0), signed(1000.0), signed(100.0)]);
+    check(768, (model, inputs), |((params, dt), inputs)| {
+        let model = Pmsm::new(params, dt).unwrap();
+        keeps(PmsmState::default(), &inputs, |s, [d, q, speed_rad_s, winding_c]| {
+            let input = PmsmSpeedInput { voltage_v: Dq { d, q }, speed_rad_s, winding_c };
+            let out = model.step_at_speed(s, input);
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn field_oriented_control() {
+    let model = some(PERMITTED, |d| (draw::foc(d), draw::pmsm(d), d.dt()));
+    let inputs =
+        inputs([signed(300.0), signed(400.0), signed(400.0), signed(1000.0), positive(500.0)]);
+    check(768, (model, inputs), |((params, machine, dt), inputs)| {
+        let model = Foc::new(params, machine, dt).unwrap();
+        keeps(FocState::default(), &inputs, |s, [torque_nm, d, q, speed_rad_s, bus_v]| {
+            let input = FocInput { torque_nm, current_a: Dq { d, q }, speed_rad_s, bus_v };
+            let out = model.step(s, input);
             (out, out.rejected)
         })
     });

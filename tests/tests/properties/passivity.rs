@@ -3,6 +3,9 @@
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
+use plant_core::machine::flux::Flux;
+use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
+use plant_core::machine::transform::Dq;
 use plant_core::mechanics::body::Road;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
 use plant_core::{Accum, Dt, Real};
@@ -89,6 +92,36 @@ proptest! {
             last_j = stored_j;
             let out = motor.step(&mut s, DcMotorInput { voltage_v: 0.0, load_nm: 0.0 });
             prop_assert!(!out.rejected);
+        }
+    }
+
+    /// A shorted synchronous machine with a free shaft, however far it turns in a step.
+    #[test]
+    fn synchronous_machine_at_zero_volts(
+        params in drawn(PLAUSIBLE, draw::pmsm),
+        dt_s in log(1e-6, 10.0),
+        speed in signed(1000.0),
+        currents in (signed(1000.0), signed(1000.0)),
+    ) {
+        let machine = Pmsm::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
+        let Flux::Linear(flux) = params.flux else { panic!("drawn linear") };
+        let stored = |s: &PmsmState| {
+            let square = |x: Accum| f64::from(x.get()).powi(2);
+            0.5 * f64::from(params.inertia_kg_m2) * square(s.speed_rad_s)
+                + 0.75 * f64::from(flux.d_h) * square(s.d_a)
+                + 0.75 * f64::from(flux.q_h) * square(s.q_a)
+        };
+        let mut s = PmsmState {
+            d_a: Accum::new(currents.0),
+            q_a: Accum::new(currents.1),
+            speed_rad_s: Accum::new(speed),
+        };
+        let mut last_j = f64::INFINITY;
+        for step in 0..200 {
+            let stored_j = stored(&s);
+            prop_assert!(!rose(last_j, stored_j), "{step}: {last_j} {stored_j}");
+            last_j = stored_j;
+            prop_assert!(!machine.step(&mut s, PmsmInput::cold(Dq::ZERO, 0.0)).rejected);
         }
     }
 }

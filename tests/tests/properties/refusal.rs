@@ -3,9 +3,12 @@
 use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
 use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranch, RcBranchParams};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
+use plant_core::control::foc::{Foc, FocParams};
 use plant_core::control::pid::{Pid, PidParams};
 use plant_core::converter::{Converter, ConverterParams};
 use plant_core::machine::dc::{DcMotor, DcMotorParams};
+use plant_core::machine::flux::{Flux, LinearFlux};
+use plant_core::machine::pmsm::{Pmsm, PmsmParams};
 use plant_core::mechanics::body::{Body, BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxParams};
 use plant_core::mechanics::rotational::{RotationalLoad, RotationalLoadParams};
@@ -13,7 +16,7 @@ use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
 use plant_core::powertrain::{Powertrain, PowertrainParams};
-use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
+use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
 };
@@ -175,6 +178,35 @@ fn motor_and_what_turns() {
         viscous_nm_s_per_rad: NOT_NEGATIVE,
         coulomb_nm: NOT_NEGATIVE,
     });
+}
+
+#[test]
+fn synchronous_machine_and_its_control() {
+    let machine = PMSM_EPOWERTRAIN;
+    refuses!(|p| Pmsm::new(p, DT), PmsmParams: machine, {
+        resistance_ohm: POSITIVE,
+        resistance_per_k: &[-1e-9, 0.008, NAN, INF, -INF],
+        pole_pairs: &[0],
+        iron_s: NOT_NEGATIVE,
+        inertia_kg_m2: POSITIVE,
+        viscous_nm_s_per_rad: NOT_NEGATIVE,
+        coulomb_nm: NOT_NEGATIVE,
+    } beside flux);
+    let Flux::Linear(flux) = machine.flux else { panic!("a linear machine") };
+    let make = |flux| Pmsm::new(PmsmParams { flux: Flux::Linear(flux), ..machine }, DT);
+    refuses!(make, LinearFlux: flux, {
+        magnet_wb: &[0.0, -1.0, 1e13, NAN, INF, -INF],
+        d_h: POSITIVE,
+        q_h: POSITIVE,
+    });
+    refuses!(|p| Foc::new(p, machine, DT), FocParams: FocParams::DEFAULT, {
+        bandwidth_rad_s: LIMIT,
+        current_limit_a: LIMIT,
+        torque_limit_nm: LIMIT,
+        voltage_share: EFFICIENCY,
+    });
+    let bad = PmsmParams { resistance_ohm: NAN, ..machine };
+    assert_refused(Foc::new(FocParams::DEFAULT, bad, DT), "resistance_ohm", &NAN);
 }
 
 #[test]
