@@ -31,7 +31,7 @@ fn rk4(y: State, h: f64, slope: impl Fn(&State) -> State) -> State {
     std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
 }
 
-const OHM: f64 = 0.05;
+const OHM: f64 = 0.3;
 const PAIRS: f64 = 4.0;
 const INERTIA: f64 = 0.01;
 const VISCOUS: f64 = 1e-3;
@@ -72,7 +72,7 @@ fn voltage(t: f64) -> [f64; 2] {
     [-4.0 * swing, 12.0 + 8.0 * swing]
 }
 
-const LOAD_NM: f64 = 2.0;
+const LOAD_NM: f64 = 1.0;
 /// All steps share these instants [s].
 const INSTANT_S: f64 = 2e-4;
 const INSTANTS: usize = 500;
@@ -143,8 +143,8 @@ fn saturating(d: f64, q: f64) -> [f64; 2] {
 
 fn saturating_map() -> FluxMap {
     let (d, q) = (
-        FluxAxis { start_a: -160.0, step_a: 8.0, points: 41 },
-        FluxAxis { start_a: -160.0, step_a: 8.0, points: 41 },
+        FluxAxis { start_a: -320.0, step_a: 8.0, points: 81 },
+        FluxAxis { start_a: -320.0, step_a: 8.0, points: 81 },
     );
     let at = |axis: FluxAxis, n: u16| axis.start_a + axis.step_a * f64::from(n);
     let table: Vec<_> = (0..d.points)
@@ -159,6 +159,7 @@ fn a_saturating_machine_converges_to_its_equations_with_the_first_order() {
 }
 
 /// Shorted, on a free shaft: what motion and field hold never grows, however long the step.
+/// Tried, not proven as for constant inductances.
 #[test]
 fn a_saturating_machine_without_a_source_never_gains_energy() {
     let flux = Flux::Map(saturating_map());
@@ -167,6 +168,7 @@ fn a_saturating_machine_without_a_source_never_gains_energy() {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(seed >> 8) / f64::from(1 << 23) - 1.0
     };
+    let mut worst = 0.0_f64;
     for _ in 0..400 {
         let dt_s = 10_f64.powf(-2.5 + 3.5 * number());
         let params = double::PmsmParams {
@@ -177,24 +179,26 @@ fn a_saturating_machine_without_a_source_never_gains_energy() {
         let dt = plant_core_f64::Dt::from_s(dt_s).unwrap();
         let machine = double::Pmsm::new(params, dt).unwrap();
         let mut state = double::PmsmState {
-            d_a: plant_core_f64::Accum::new(75.0 * number()),
-            q_a: plant_core_f64::Accum::new(75.0 * number()),
+            d_a: plant_core_f64::Accum::new(15.0 * number()),
+            q_a: plant_core_f64::Accum::new(15.0 * number()),
             speed_rad_s: plant_core_f64::Accum::new(1000.0 * number()),
         };
         let stored = |s: &double::PmsmState| {
             let w = s.speed_rad_s.get();
             0.5 * params.inertia_kg_m2 * w * w + flux.energy_j(s.current_a())
         };
-        let mut before = stored(&state);
+        let first = stored(&state);
+        let mut lowest = first;
         for step in 0..100 {
             let out = machine.step(&mut state, double::PmsmInput::cold(Dq::ZERO, 0.0));
-            assert!(!out.rejected);
+            assert!(!out.rejected && !out.beyond_map, "{out:?}");
             let now = stored(&state);
-            // The energy itself is an integral with an error.
-            assert!(now <= before * (1.0 + 1e-6) + 1e-6, "{step} of {dt_s} s: {before} to {now}");
-            before = now;
+            worst = worst.max((now - lowest) / first);
+            assert!(now <= lowest + 1e-9 * first, "{step} of {dt_s} s: {lowest} to {now}");
+            lowest = lowest.min(now);
         }
     }
+    println!("energy rose by {worst:.1e} of what there was at most");
 }
 
 /// The measured map of a 5.6 kW machine, each `every`-th node of it; none without the data.

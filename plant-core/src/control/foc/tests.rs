@@ -4,6 +4,8 @@ extern crate std;
 use super::*;
 use crate::machine::flux::{Flux, LinearFlux};
 use crate::machine::pmsm::{COPPER_PER_K, Pmsm, PmsmOutput, PmsmSpeedInput, PmsmState};
+use crate::machine::transform::{RotorAngle, averaged_inverter, duties};
+use crate::num::{PI, wrap_turns};
 
 const MACHINE: PmsmParams = PmsmParams {
     flux: Flux::Linear(LinearFlux { magnet_wb: 0.05, d_h: 1e-4, q_h: 3e-4 }),
@@ -153,6 +155,36 @@ fn a_saturated_second_leaves_no_trace() {
     let target = control.reference_a;
     let (_, out) = rig.run(60, 0.0, 500.0);
     near(out.current_a.q, target.q, 2.0);
+}
+
+/// Phase currents in, duties out, as in firmware: the same as in the frame of the rotor.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn through_three_phases_and_an_inverter_it_is_the_same() {
+    let (mut direct, mut rig) =
+        (Rig::new(PARAMS, MACHINE, MACHINE, 1e-4), Rig::new(PARAMS, MACHINE, MACHINE, 1e-4));
+    let mut turns = 0.3;
+    for _ in 0..2000 {
+        turns = wrap_turns(turns + 6.0 * 300.0 * 1e-4 / (2.0 * PI));
+        let rotor = RotorAngle::of_turns(turns);
+        let (_, exact) = direct.step(120.0, 300.0);
+        let (foc, machine) = &mut rig.state;
+        let phases_a = machine.current_a().to_stator(rotor).to_phases();
+        let input = FocInput {
+            torque_nm: 120.0,
+            current_a: phases_a.to_vector().to_rotor(rotor),
+            speed_rad_s: 300.0,
+            bus_v: 360.0,
+        };
+        let asked_v = rig.foc.step(foc, input).voltage_v.to_stator(rotor);
+        let (made_v, bus_a) = averaged_inverter(duties(asked_v, 360.0), 360.0, phases_a);
+        let voltage_v = made_v.to_rotor(rotor);
+        let taken_w = 1.5 * voltage_v.dot(machine.current_a());
+        near(360.0 * bus_a, taken_w, 2.0);
+        let input = PmsmSpeedInput { voltage_v, speed_rad_s: 300.0, winding_c: 25.0 };
+        let out = rig.machine.step_at_speed(machine, input);
+        near(out.torque_nm, exact.torque_nm, 0.1);
+    }
 }
 
 #[test]
