@@ -100,7 +100,7 @@ fn components() {
         DcMotor::new, DcMotor::winding, DcMotor::coast, DcMotor::step, DcMotor::step_at_speed,
         Flux::at, Flux::near, Flux::energy_j,
         DqWinding::reflected, DqWinding::flux, DqWinding::pole_pairs, DqWinding::is_coarse,
-        DqWinding::law, DqLaw::increment_a, DqLaw::admit, DqLaw::voltage_v, DqLaw::field_v,
+        DqWinding::law, DqLaw::increment_a, DqLaw::admit, DqLaw::voltage_v, DqLaw::field_v, DqLaw::diode_v,
         DqLaw::torque_nm, Pmsm::new, Pmsm::winding, Pmsm::coast, Pmsm::step, Pmsm::step_at_speed,
         PmsmInput::cold, PmsmState::current_a,
         Dq::dot, Dq::turned, Dq::length, Dq::within, Dq::to_stator, AlphaBeta::to_rotor,

@@ -1,12 +1,15 @@
 //! Mirrored inputs give the mirrored motion, bit for bit: nothing in the plant knows forward from
 //! backward.
 
+use plant_core::control::foc::{Foc, FocInput, FocState};
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
+use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
+use plant_core::machine::transform::Dq;
 use plant_core::mechanics::body::Road;
 use plant_core::mechanics::slope::Grade;
 use plant_core::port::Slip;
 use plant_core::powertrain::{Powertrain, PowertrainInput};
-use plant_core::{Accum, Dt};
+use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive, signed};
@@ -78,6 +81,39 @@ proptest! {
                 [mirror.current_a, mirror.speed_rad_s, mirror.shaft_nm].map(|x| -x)
             );
             prop_assert_eq!([out.copper_w, out.friction_w], [mirror.copper_w, mirror.friction_w]);
+        }
+    }
+
+    /// Under control, its limits included; the d axis is the same both ways.
+    #[test]
+    fn synchronous_machine_under_control(
+        (params, control) in drawn(PLAUSIBLE, |d| (draw::pmsm(d), draw::foc(d))),
+        dt_s in log(1e-6, 1e-2),
+        inputs in prop::collection::vec((signed(300.0), signed(100.0), positive(500.0)), 1..50),
+    ) {
+        let dt = Dt::from_s(dt_s).unwrap();
+        let (machine, foc) =
+            (Pmsm::new(params, dt).unwrap(), Foc::new(control, params, dt).unwrap());
+        let mut ways = [1.0, -1.0].map(|way| (way, FocState::default(), PmsmState::default()));
+        for (torque_nm, load_nm, bus_v) in inputs {
+            let [there, back] = ways.each_mut().map(|(way, control, state)| {
+                let input = FocInput {
+                    torque_nm: *way * torque_nm,
+                    current_a: state.current_a(),
+                    speed_rad_s: state.speed_rad_s.get(),
+                    bus_v,
+                };
+                let told = foc.step(control, input);
+                let out =
+                    machine.step(state, PmsmInput::cold(told.voltage_v, *way * load_nm));
+                let flip = |v: Dq| [v.d, *way * v.q];
+                let vectors = [told.voltage_v, told.reference_a, out.current_a, out.flux_wb];
+                let moves = [out.speed_rad_s, out.torque_nm, out.shaft_nm, told.torque_nm];
+                let flags = [told.weakened, told.limited, told.saturated, told.rejected];
+                let moves: [Real; 4] = moves.map(|x| *way * x);
+                (vectors.map(flip), moves, flags, [out.electrical_w, out.copper_w, out.iron_w])
+            });
+            prop_assert_eq!(there, back);
         }
     }
 }

@@ -155,6 +155,52 @@ fn every_step_keeps_the_equations_and_its_power() {
 }
 
 #[test]
+fn diodes_only_feed_the_bus_and_block_below_it() {
+    let mut number = numbers();
+    let mut blocked = 0;
+    for n in 0..3000 {
+        let dt_s = [1e-6, 1e-4, 1e-2][n % 3];
+        let current_a = Dq { d: 300.0 * number(), q: 300.0 * number() };
+        let law = machine(SALIENT, dt_s).winding().law(current_a, 1500.0 * number(), 25.0);
+        let largest_v = 200.0 * (1.0 + number());
+        let Some(v) = law.diode_v(current_a, largest_v) else {
+            blocked += 1;
+            // A voltage that the diodes can bear ends the currents.
+            assert!(law.voltage_v(current_a * -1.0).length() <= largest_v * 1.001);
+            continue;
+        };
+        close(v.length(), largest_v, 1e-5);
+        let reached_a = current_a + law.increment_a(v, 0.0);
+        // Close to blocking the current is a small difference.
+        let rounding = 1e-5 * (current_a.length() + largest_v * law.admit(v).length() / largest_v);
+        let across = reached_a.dot(v.turned()) / largest_v;
+        assert!(across.abs() <= 1e-4 * reached_a.length() + rounding, "{n}: {reached_a:?} {v:?}");
+        assert!(reached_a.dot(v) <= rounding * largest_v, "{n}: {reached_a:?} {v:?}");
+    }
+    assert!((300..2700).contains(&blocked), "{blocked}");
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn it_charges_the_bus_when_it_turns_too_fast_with_gates_off() {
+    // 0.05 Wb at 6·1000 rad/s induce 300 V; the diodes hold 150 V.
+    let (m, mut s) = (machine(SALIENT, 1e-4), PmsmState::default());
+    let (speed_rad_s, mut out) = (1000.0, PmsmOutput::default());
+    for _ in 0..5000 {
+        let law = m.winding().law(s.current_a(), s.speed_rad_s.get(), 25.0);
+        let voltage_v =
+            law.diode_v(s.current_a(), 150.0).unwrap_or(law.voltage_v(s.current_a() * -1.0));
+        out = m.step_at_speed(&mut s, PmsmSpeedInput { voltage_v, speed_rad_s, winding_c: 25.0 });
+    }
+    let i = out.current_a;
+    // 0 = v + R·i + ω_e·J·ψ with v along i.
+    let psi = Dq { d: 0.05 + 1e-4 * i.d, q: 3e-4 * i.q };
+    let residual = i * (8e-3 + 150.0 / i.length()) + psi.turned() * 6000.0;
+    assert!(residual.length() < 0.5, "{residual:?} {out:?}");
+    assert!(out.electrical_w < -1e4 && out.torque_nm < 0.0, "{out:?}");
+}
+
+#[test]
 fn bad_input_changes_nothing() {
     let (m, mut s) = (machine(SALIENT, 1e-4), PmsmState::default());
     let good = PmsmInput::cold(Dq { d: 1.0, q: 20.0 }, 0.0);

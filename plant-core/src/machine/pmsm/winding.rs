@@ -5,7 +5,10 @@ use crate::error::{ParamError, check, not_negative, positive};
 use crate::machine::flux::{Flux, FluxPoint};
 use crate::machine::transform::Dq;
 use crate::model::Dt;
-use crate::num::Real;
+use crate::num::{Real, sqrt};
+
+/// Newton steps of [`DqLaw::diode_v`].
+const DIODE_STEPS: u8 = 2;
 
 /// The electrical side of a synchronous machine, discretised for one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +76,42 @@ impl DqLaw {
     #[must_use]
     pub fn voltage_v(&self, increment_a: Dq) -> Dq {
         self.held_v + self.impede(increment_a)
+    }
+
+    /// The voltage at the terminals while the inverter's gates are off and its diodes make at
+    /// most `largest_v` ([`LARGEST_PER_BUS`](crate::machine::transform::LARGEST_PER_BUS) of the
+    /// bus, some 10 % below six-step conduction); none where they block, so that the currents end.
+    ///
+    /// Diodes only feed the bus: `v = −largest_v·i'/|i'|`, set-valued like friction. That is a
+    /// resistance `c = largest_v/|i'|`, found from a winding of equal axes in closed form and put
+    /// right by two Newton steps.
+    #[must_use]
+    pub fn diode_v(&self, current_a: Dq, largest_v: Real) -> Option<Dq> {
+        let free_v = self.impede(current_a) - self.held_v;
+        let rest = free_v.dot(free_v) - largest_v * largest_v;
+        if rest <= 0.0 {
+            return None;
+        }
+        let [d, q] = self.impedance;
+        let (mean, skew) = (0.5 * (d.d + q.q), 0.5 * (q.d - d.q));
+        let part = largest_v * mean;
+        let mut ohm =
+            largest_v * (part + sqrt(part * part + rest * (mean * mean + skew * skew))) / rest;
+        let mut reached_a = Dq::ZERO;
+        for _ in 0..=DIODE_STEPS {
+            let (d_ohm, q_ohm) = (d.d + ohm, q.q + ohm);
+            let per_det = 1.0 / (d_ohm * q_ohm - d.q * q.d);
+            let solve = |v: Dq| Dq {
+                d: per_det * (q_ohm * v.d - d.q * v.q),
+                q: per_det * (d_ohm * v.q - q.d * v.d),
+            };
+            reached_a = solve(free_v);
+            let length = reached_a.length();
+            // Of 1/|i'| − c/largest_v, which is nearly straight in c.
+            let bend = largest_v * reached_a.dot(solve(reached_a)) / (length * length);
+            ohm -= (largest_v - ohm * length) / (bend - length);
+        }
+        Some(reached_a * (-largest_v / reached_a.length()))
     }
 
     /// `Z·Δi` \[V\].
