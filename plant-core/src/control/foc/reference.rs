@@ -185,6 +185,9 @@ fn most_at_current(flux: &LinearFlux, current_a: Real) -> Real {
 /// sine and cosine.
 fn on_flux_circle(flux: &LinearFlux, torque: Real, flux_wb: Real) -> Dq {
     let LinearFlux { magnet_wb, d_h, q_h } = *flux;
+    if torque <= 0.0 {
+        return Dq { d: (flux_wb - magnet_wb) / d_h, q: 0.0 };
+    }
     let (a, e) = (magnet_wb / d_h, flux_wb * (q_h - d_h) / (d_h * q_h));
     let made = |cos: Real, sin: Real| flux_wb * sin * (a - e * cos);
     let cos_most = -2.0 * e / max(a + sqrt(a * a + 8.0 * e * e), TINY);
