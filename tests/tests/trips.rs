@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 
 use plant_core::mechanics::body::RoadResistance;
 use serde_json::Value;
-use voltstep::cli::Mode;
+use voltstep::read::input;
 use voltstep::read::vehicle::{self, Vehicle};
+use voltstep::simulate::mode::Mode;
+use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
 use voltstep::simulate::summary::NUMERICAL_WARNING;
 
@@ -47,13 +49,15 @@ fn real_trips() -> Vec<PathBuf> {
 }
 
 fn options(mode: Mode, dt_ms: f64) -> Options {
-    Options { vehicle: DEFAULT_VEHICLE.to_owned(), mode, dt_ms, ledger: true, show_progress: false }
+    Options { mode, dt_s: dt_ms / 1000.0, ledger: true }
 }
 
 /// Replays a trip; every figure must be finite, and every row of the trace.
 #[track_caller]
 fn replayed(path: &Path, mode: Mode, dt_ms: f64) -> Replay {
-    let replay = replay::replay(&path.to_string_lossy(), &options(mode, dt_ms))
+    let vehicle = vehicle::load(DEFAULT_VEHICLE).unwrap();
+    let trip = input::trip(path).unwrap_or_else(|e| panic!("{e}"));
+    let replay = replay::of_trip(vehicle, trip, options(mode, dt_ms), &Unseen)
         .unwrap_or_else(|e| panic!("{}: {e:#}", path.display()));
     check_finite(&replay, mode);
     replay
@@ -100,7 +104,7 @@ fn show(replay: &Replay) {
         .speed_error_rms_m_s
         .map_or(String::new(), |rms| format!(", speed RMS {rms:.4} m/s"));
     println!(
-        "{:9} {:7} {:4} ms: SOC RMSE {:.3} %, SOC drop {:+5.1} %, energy {:+5.1} %, voltage \
+        "{:9} {:?} {:4} ms: SOC RMSE {:.3} %, SOC drop {:+5.1} %, energy {:+5.1} %, voltage \
          RMSE {:5.2} V, current RMSE {:5.2} A{speed}",
         summary.input,
         summary.mode,
@@ -210,8 +214,8 @@ fn truth() -> Vehicle {
 }
 
 fn synthetic_with(vehicle: Vehicle, mode: Mode) -> Replay {
-    let trip = voltstep::read::trip::read(synthetic()).unwrap();
-    let replay = replay::of_trip(vehicle, trip, mode, &options(mode, 1.0)).unwrap();
+    let trip = input::trip(&synthetic()).unwrap();
+    let replay = replay::of_trip(vehicle, trip, options(mode, 1.0), &Unseen).unwrap();
     check_finite(&replay, mode);
     show(&replay);
     replay

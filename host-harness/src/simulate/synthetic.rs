@@ -24,6 +24,8 @@ use plant_core::signal::sensors::{
 };
 use plant_core::{Dt, must};
 
+use crate::simulate::noise::Noise;
+
 /// Seed of the noise.
 pub const SEED: u64 = 20_260_117;
 /// State of charge at the start.
@@ -88,7 +90,7 @@ const fn channel(header: &'static str, key: &'static str, noise: f32, quantum: f
     Channel { header, key, noise, quantum }
 }
 
-/// Where the speed goes: target \[km/h\], largest acceleration on the way \[m/s²\], then held \[s\].
+/// Where the speed goes: target \[km/h\], largest acceleration up to there \[m/s²\], then held \[s\].
 const PROFILE: [(f64, f64, f64); 19] = [
     (0.0, 1.0, 8.0),
     (30.0, 1.2, 20.0),
@@ -123,7 +125,7 @@ pub fn trip_csv() -> Vec<u8> {
     }
     text.push_str("\r\n");
     let sensors = Sensors::new();
-    let mut noise = Noise(SEED);
+    let mut noise = Noise::from_state(SEED);
     drive(|row, out, heating_w, aircon_w| {
         let share = row as f32 / (DURATION_S * ROWS_PER_S) as f32;
         let values = [
@@ -300,40 +302,6 @@ fn short(value: f32) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Xorshift noise (Marsaglia 2003), so that no random library's version changes the file.
-pub(crate) struct Noise(u64);
-
-impl Noise {
-    /// A sequence of its own for each seed.
-    pub(crate) fn new(seed: u64) -> Self {
-        // Never 0, and near seeds far apart.
-        let mut noise = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
-        for _ in 0..8 {
-            noise.even();
-        }
-        noise
-    }
-
-    /// Evenly in 0..n, a place in a list.
-    #[expect(clippy::cast_sign_loss, reason = "not negative")]
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        ((self.even() * n as f32) as usize).min(n - 1)
-    }
-
-    /// Evenly in 0..1.
-    pub(crate) fn even(&mut self) -> f32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 40) as f32 / 16_777_216.0
-    }
-
-    /// Close to normal, of mean 0 and standard deviation 1.
-    pub(crate) fn normal(&mut self) -> f32 {
-        (0..12).map(|_| self.even()).sum::<f32>() - 6.0
-    }
 }
 
 #[cfg(test)]

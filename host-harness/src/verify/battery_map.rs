@@ -14,9 +14,9 @@ use super::adaptive::{Clock, System, integrate};
 use super::tolerance as t;
 use super::{Case, Checks};
 use crate::read::{cycle, vehicle};
+use crate::simulate::progress::Unseen;
 use crate::simulate::route::Route;
-use crate::simulate::run;
-use crate::simulate::run::Run;
+use crate::simulate::run::{self, Run};
 
 pub(super) const CASES: [Case; 2] = [
     Case { name: "battery with maps", models: &["MappedBattery"], run: maps },
@@ -160,7 +160,7 @@ fn in_the_plant(checks: &mut Checks) -> anyhow::Result<()> {
     let vehicle = vehicle::load("bmw-i3-60ah")?;
     anyhow::ensure!(vehicle.battery_map.is_some(), "no battery map");
     let route = Route::of_cycle(&cycle::by_name("udds").context("no UDDS")?);
-    let run = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, false);
+    let run = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, &Unseen);
     let (coarse, fine) = rayon::join(|| run(1e-3), || run(1e-4));
     let (coarse, fine) = (coarse?, fine?);
     let soc = |run: &Run| run.trace.last().map_or(f64::NAN, |row| f64::from(row.soc));

@@ -40,14 +40,14 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// The spreads of every figure over the rows that count.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
+pub struct Spreads {
     /// How many rows count.
     pub count: usize,
     /// A spread for each figure that any row has.
     pub spreads: Vec<Spread>,
 }
 
-impl Summary {
+impl Spreads {
     /// The spread of a figure.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&Spread> {
@@ -56,7 +56,7 @@ impl Summary {
 }
 
 /// One flat table: `count`, `name_median`, `name_p90`, `name_max`, …
-impl Serialize for Summary {
+impl Serialize for Spreads {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(3 * self.spreads.len() + 1))?;
         map.serialize_entry("count", &self.count)?;
@@ -82,7 +82,7 @@ mod tests {
         assert!(spread("x", [None].into_iter()).is_none());
         let one = spread("x", [Some(5.0)].into_iter()).unwrap();
         assert_eq!((one.median, one.p90, one.max), (5.0, 5.0, 5.0));
-        let summary = Summary { count: 1, spreads: vec![one] };
+        let summary = Spreads { count: 1, spreads: vec![one] };
         let text = serde_json::to_string(&summary).unwrap();
         assert_eq!(text, r#"{"count":1,"x_median":5.0,"x_p90":5.0,"x_max":5.0}"#);
         assert!(summary.get("x").is_some() && summary.get("y").is_none());
