@@ -10,6 +10,7 @@ mod compare;
 mod counts;
 mod data;
 mod firmware;
+mod generate;
 mod image;
 mod metadata;
 mod mutants;

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::data;
 use crate::firmware;
+use crate::generate;
 use crate::metadata::Metadata;
 use crate::shell::{cargo, output, program, run};
 
@@ -55,7 +56,7 @@ pub const PARTS: &[Part] = &[
     part("readme", "the README's figures are those of this code", crate::readme::readme),
 ];
 
-/// Parts that take long or need more tools; `test` leaves them out.
+/// Parts that take long, need more tools or write files of the workspace; `test` leaves them out.
 pub const LONG: &[Part] = &[
     part("miri", "unit tests in an interpreter that sees undefined behaviour", miri),
     part(
@@ -68,6 +69,8 @@ pub const LONG: &[Part] = &[
         "changes plant-core in every place; tests notice 9 of 10 (VOLTSTEP_MUTANTS_SHARD)",
         crate::mutants::mutants,
     ),
+    part("presets", "writes the batteries of plant-core from their files", generate::presets),
+    part("trip", "writes the synthetic trip and its true parameters", generate::trip),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
@@ -150,6 +153,10 @@ fn format() -> Result<()> {
 fn clippy() -> Result<()> {
     run(cargo()
         .args(["clippy", "--workspace", "--all-targets", "--all-features"])
+        .args(["--", "-D", "warnings"]))?;
+    // The parsers and the identification need no command line, tables or plots.
+    run(cargo()
+        .args(["clippy", "-p", "voltstep", "--no-default-features", "--lib"])
         .args(["--", "-D", "warnings"]))
 }
 

@@ -158,7 +158,7 @@ pub fn trip_csv() -> Vec<u8> {
 #[must_use]
 pub fn truth_toml() -> String {
     let head = "# The true parameters of synthetic.csv: vehicle `bmw-i3-60ah`, but for what is below.\n\
-                      # Written by `cargo run --release -p voltstep --example make_trip`.\n\n";
+                      # Written by `cargo xtask trip`.\n\n";
     let b = &TRUTH.battery;
     let mut text = String::from(head);
     let _ = write!(
@@ -316,7 +316,7 @@ mod tests {
 
     #[test]
     fn the_committed_files_are_what_the_generator_makes() {
-        let fix = "run `cargo run --release -p voltstep --example make_trip`";
+        let fix = "run `cargo xtask trip`";
         assert!(committed("synthetic.csv") == trip_csv(), "{fix}");
         assert!(committed("synthetic.truth.toml") == truth_toml().into_bytes(), "{fix}");
     }

@@ -8,8 +8,8 @@ use toml::{Table, Value};
 const HEADER: &str = "\
 //! Batteries identified from measurements, with parameters over state of charge and temperature.
 //!
-//! Made from `data/batteries/*.toml` by `cargo run -p voltstep --example make_presets`; those files
-//! hold the figures of the fit and the command that made them, and a test keeps the two equal.
+//! Made from `data/batteries/*.toml` by `cargo xtask presets`; those files hold the figures of the
+//! fit and the command that made them, and a test keeps the two equal.
 #![expect(clippy::unreadable_literal, reason = \"as in the files\")]
 
 use crate::battery::{
@@ -35,8 +35,8 @@ const PRESETS: [(&str, &str, &str); 2] = [
     ),
 ];
 
-fn main() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+/// Writes the file below the root of the workspace.
+pub fn write(root: &Path) {
     let mut text = HEADER.to_owned();
     for (file, name, doc) in PRESETS {
         let path = root.join(format!("data/batteries/{file}.toml"));
