@@ -177,7 +177,7 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Cel
     }
     if outside > 0 {
         #[expect(clippy::cast_precision_loss, reason = "a count")]
-        let share = 100.0 * outside as f64 / record.len() as f64;
+        let share = 100.0 * outside as f64 / record.time_s.len() as f64;
         notes.push(format!("{share:.0} % of the samples lie outside the identified range"));
     }
     if refused_c > 0.0 {
@@ -187,7 +187,7 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Cel
     Ok(CellRow {
         name: record.name.clone(),
         ambient_c,
-        soc_end: record.soc(record.len() - 1, capacity_ah),
+        soc_end: record.soc(record.time_s.len() - 1, capacity_ah),
         voltage_rmse_mv: squares[0].rms().context("no sample to compare")?,
         voltage_rmse_mv_above_15_soc: squares[1].rms(),
         voltage_rmse_mv_above_25_soc: squares[2].rms(),

@@ -73,7 +73,7 @@ impl Measured {
     /// charge the counter has no zero.
     pub fn of_cell(record: &CellRecord, capacity_ah: f64) -> Self {
         let (kind, _) = record.kind(capacity_ah);
-        let count = if kind == Kind::Sweep { emptied(record) + 1 } else { record.len() };
+        let count = if kind == Kind::Sweep { emptied(record) + 1 } else { record.time_s.len() };
         let first = |values: &[f64]| values[..count].to_vec();
         Self {
             name: record.name.clone(),

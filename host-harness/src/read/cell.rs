@@ -45,18 +45,6 @@ pub struct CellRecord {
 }
 
 impl CellRecord {
-    /// How many samples there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.time_s.len()
-    }
-
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
-    }
-
     /// The state of charge at sample `i` for a cell of `capacity_ah` that was full where the
     /// counter was 0.
     #[must_use]
@@ -241,7 +229,7 @@ mod tests {
     #[test]
     fn reads_columns_by_name() {
         let record = parse("a/b.csv", TEXT.as_bytes()).unwrap();
-        assert_eq!((record.name.as_str(), record.len()), ("b", 3));
+        assert_eq!((record.name.as_str(), record.time_s.len()), ("b", 3));
         assert_eq!(record.current_a, [1.0, 2.0, 0.0]);
         assert!(record.chamber_c[0].is_nan() && record.chamber_c[1] == 25.0);
         assert!((record.soc(2, 2.0) - 0.94985).abs() < 1e-12);

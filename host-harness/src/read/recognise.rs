@@ -67,7 +67,9 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
     };
     match kind_of(first, bytes) {
         Some(kind) if wanted.contains(&kind) => Ok(kind),
-        Some(kind) => Err(at_line(line, format!("{}; expected {}", kind.name(), looked_for()))),
+        Some(kind) => {
+            Err(at_line(line, format!("this is {}; expected {}", kind.name(), looked_for())))
+        }
         None => {
             error::text(file, bytes)?;
             Err(at_line(line, format!("not recognised; expected {}", looked_for())))
@@ -93,7 +95,7 @@ fn kind_of(first: &[u8], bytes: &[u8]) -> Option<FileKind> {
         return Some(FileKind::Cycle);
     }
     let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start);
-    if lines.clone().any(|line| line.starts_with(b"[body]")) {
+    if lines.clone().any(|line| line.starts_with(b"[body")) {
         Some(FileKind::Vehicle)
     } else {
         lines.any(|line| line.starts_with(b"[battery")).then_some(FileKind::Battery)
@@ -127,7 +129,7 @@ mod tests {
             let others = FileKind::ALL.map(|k| if k == kind { FileKind::ALL[0] } else { k });
             if kind != FileKind::ALL[0] {
                 let error = recognise("x", bytes, &others).unwrap_err();
-                assert!(error.message.starts_with(&format!("{}; expected ", kind.name())));
+                assert!(error.message.starts_with(&format!("this is {}; expected ", kind.name())));
                 assert!(error.line.is_some() && error.column == Some(1), "{error}");
             }
         }
@@ -143,7 +145,10 @@ mod tests {
         let unknown = format!("not recognised; {expected}");
         assert_eq!(refused(b"\n\n0,0\n1,1\n"), format!("x:3:1: {unknown}"));
         assert_eq!(refused(b"key = 1\n"), format!("x:1:1: {unknown}"));
-        assert_eq!(refused(CELL.as_bytes()), format!("x:1:1: a test of a cell; {expected}"));
+        assert_eq!(
+            refused(CELL.as_bytes()),
+            format!("x:1:1: this is a test of a cell; {expected}")
+        );
         assert_eq!(refused(b"\x7fELF\n\xff\xfe"), "x:2:1: not a text: expected UTF-8");
     }
 }

@@ -95,20 +95,9 @@ mod tests {
 
     #[test]
     fn what_failed_or_was_skipped_is_said_below_the_table() {
-        let check = |name: &str, quantity: &str, pass, reason: &str| Check {
-            name: name.to_owned(),
-            quantity: quantity.to_owned(),
-            published: None,
-            target: None,
-            source: "",
-            obtained: None,
-            tolerance: None,
-            pass,
-            reason: reason.to_owned(),
-        };
         let cases = vec![
-            check("broken", "the run", Some(false), "on purpose"),
-            check("absent", "SKIPPED", None, "nothing there"),
+            Check::without("broken", "the run", Some(false), "on purpose".to_owned()),
+            Check::without("absent", "SKIPPED", None, "nothing there".to_owned()),
         ];
         let report = ValidationReport {
             cases,

@@ -1,6 +1,6 @@
 //! Noise that is the same on every machine.
 
-/// Xorshift noise (Marsaglia 2003), so that no random library's version changes the file.
+/// Xorshift noise (Marsaglia 2003), so that no random library's version changes what is made of it.
 pub(crate) struct Noise(u64);
 
 impl Noise {

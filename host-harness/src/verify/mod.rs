@@ -82,7 +82,7 @@ impl Check {
     }
 
     /// A check without a figure: skipped (`pass` none), or gone wrong.
-    fn without(case: &str, quantity: &str, pass: Option<bool>, reason: String) -> Self {
+    pub(crate) fn without(case: &str, quantity: &str, pass: Option<bool>, reason: String) -> Self {
         Self {
             name: case.to_owned(),
             quantity: quantity.to_owned(),

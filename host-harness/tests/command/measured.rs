@@ -76,7 +76,7 @@ fn refuses_a_folder_without_trips() {
     for (folder, part) in [
         ("empty", "no .csv file"),
         ("nowhere", "cannot be read"),
-        ("wrong", "cycle.csv:1:1: a driving cycle"),
+        ("wrong", "cycle.csv:1:1: this is a driving cycle"),
     ] {
         let run = sandbox.run(&["validate", "--trips", folder]);
         assert_eq!(run.code, Some(2), "{folder}");

@@ -38,7 +38,7 @@ pub fn sampled(
 ) -> anyhow::Result<Samples> {
     let (name, time_s, current_a, voltage_v, temperature_c, soc, notes) = match measured {
         Measurement::Cell(r) => {
-            let soc: Vec<f64> = (0..r.len()).map(|i| r.soc(i, capacity_ah)).collect();
+            let soc: Vec<f64> = (0..r.time_s.len()).map(|i| r.soc(i, capacity_ah)).collect();
             (&r.name, &r.time_s, &r.current_a, &r.voltage_v, &r.cell_c, soc, Vec::new())
         }
         Measurement::Trip(t) => {

@@ -116,7 +116,7 @@ fn names_line_and_column_of_each_error() {
         ("0;0;5;0;9;2;20;80;0;0;20", "t.csv:3:1: time does not rise: 0 s after 0 s"),
         ("-2;0;5;0;9;2;20;80;0;0;20", "t.csv:3:1: time does not rise: -2 s after 0 s"),
         ("1;0;5", "t.csv:3:6: 3 fields; expected 11, as in the header"),
-        ("1;0;5;0;9;2;20;80;0;0;20;7", "t.csv:3:29: 12 fields; expected 11, as in the header"),
+        ("1;0;5;0;9;2;20;80;0;0;20;7", "t.csv:3:26: 12 fields; expected 11, as in the header"),
         ("\n\r\n1;0;\u{b0};0;9;2;20;80;0;0;20", "t.csv:5:5: `°` for Elevation; expected a number"),
         (
             "\u{7f}\"\0;0;5;0;9;2;20;80;0;0;20",
