@@ -1,6 +1,7 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
 
-use super::{Limited, Powertrain, PowertrainState, Solution, Start};
+use super::solve::{Solution, Start};
+use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::Pack;
 use crate::mechanics::body::Resistance;
 use crate::num::{Real, max, sqrt};

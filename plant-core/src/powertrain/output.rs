@@ -1,6 +1,7 @@
 //! What a step of the plant says, powers included.
 
-use super::{Powertrain, PowertrainState, Solution, Start};
+use super::solve::{Solution, Start};
+use super::{Powertrain, PowertrainState};
 use crate::battery::{Losses, Pack};
 use crate::mechanics::body::Road;
 use crate::num::Real;

@@ -30,6 +30,7 @@
 //! curve; [`Ekf::refresh`], about once a second, brings that tangent, the resistances and the
 //! variances that only grow slowly up to date.
 
+mod correction;
 mod params;
 mod slow;
 #[cfg(test)]
@@ -42,6 +43,7 @@ use plant_core::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sqr
 use plant_core::{Dt, Model, ParamError, check};
 
 use crate::Estimate;
+use correction::Correction;
 
 /// A correction of the state of charge beyond this is made with the curve's slope on the way.
 const LARGE_CORRECTION: Real = 0.02;
@@ -170,60 +172,6 @@ pub struct EkfStatus {
     pub outside_identified: bool,
     /// The temperature is not known; the last one holds.
     pub temperature_missing: bool,
-}
-
-/// The terms of one correction with a given slope of the open-circuit curve (Bierman 1977, V.3).
-struct Correction {
-    slope_v: Real,
-    /// Variance of the residual but for the model's error \[V²\].
-    partial_v2: Real,
-    /// One over the variance of the residual \[1/V²\].
-    per_total: Real,
-    /// What the residual has in common with the own part of the state of charge \[V\], times the
-    /// weight that it gives the model's error.
-    cross_v: Real,
-    /// Correction of the state of charge for each volt of residual \[1/V\].
-    soc_per_v: Real,
-    /// Correction of the model's error, likewise.
-    error_gain: Real,
-}
-
-impl Correction {
-    #[inline(always)]
-    fn new(state: &EkfState, slope: Real, noise_v2: Real) -> Self {
-        let weight = state.shared_per_v * slope + 1.0;
-        let own_v = state.own_variance * slope;
-        let error_v2 = state.error_variance_v2 * weight;
-        let partial_v2 = noise_v2 + slope * own_v;
-        let per_total = 1.0 / (partial_v2 + weight * error_v2);
-        Self {
-            slope_v: slope,
-            partial_v2,
-            per_total,
-            cross_v: own_v * weight,
-            soc_per_v: (own_v + state.shared_per_v * error_v2) * per_total,
-            error_gain: error_v2 * per_total,
-        }
-    }
-
-    /// What it does to the covariance.
-    #[inline(always)]
-    fn shrink(&self, state: &mut EkfState, noise_v2: Real) {
-        let per_partial = 1.0 / self.partial_v2;
-        state.shared_per_v -= self.cross_v * per_partial;
-        state.own_variance *= noise_v2 * per_partial;
-        state.error_variance_v2 *= self.partial_v2 * self.per_total;
-    }
-
-    /// Corrects state and covariance by a residual.
-    #[inline(always)]
-    fn apply(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
-        state.residual_sum_v += residual_v;
-        state.rise += self.soc_per_v * residual_v;
-        state.error_v += self.error_gain * residual_v;
-        self.shrink(state, noise_v2);
-        EkfOutput { residual_v, rejected: false }
-    }
 }
 
 impl Ekf {

@@ -6,7 +6,8 @@ use plant_core::error::ratio;
 use plant_core::num::{Accum, Real, clamp, lag_gain, max, min, sign, sqrt};
 use plant_core::{ParamError, check};
 
-use super::{CONSISTENT, Correction, Ekf, EkfInput, EkfOutput, EkfState};
+use super::correction::Correction;
+use super::{CONSISTENT, Ekf, EkfInput, EkfOutput, EkfState};
 
 /// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
 const UNKNOWN_SD: Real = 0.288_675_13;
