@@ -120,7 +120,7 @@ pub struct CellsState<const CELLS: usize> {
     cells: [Cell; CELLS],
 }
 
-/// What drives one step of [`Cells`].
+/// Input of one step of [`Cells`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellsInput<'a, const CELLS: usize> {
     /// What is believed of the pack's cells in the mean.
@@ -131,7 +131,7 @@ pub struct CellsInput<'a, const CELLS: usize> {
     pub current_a: Real,
 }
 
-/// What one step of [`Cells`] says.
+/// Output of one step of [`Cells`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

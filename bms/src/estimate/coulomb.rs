@@ -100,14 +100,14 @@ pub struct CoulombState {
     rested_s: Accum,
 }
 
-/// What one step of a [`CoulombCounter`] counts.
+/// Input of one step of a [`CoulombCounter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombInput {
     /// Measured current, positive when discharging \[A\]; NaN where there is no usable reading.
     pub current_a: Real,
 }
 
-/// What a review of a [`CoulombCounter`] says.
+/// Output of a review of a [`CoulombCounter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -14,7 +14,7 @@ const AVERAGE_S: Real = 60.0;
 /// Halvings of the usable window: down to a thousandth of a per cent.
 const HALVINGS: u32 = 16;
 
-/// What counts as empty and as full.
+/// Parameters of an [`EnergyGauge`]: what counts as empty and as full.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -57,7 +57,7 @@ pub struct EnergyState {
     pub average_w: Accum,
 }
 
-/// What one step of an [`EnergyGauge`] averages.
+/// Input of one step of an [`EnergyGauge`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyInput {
     /// Current \[A\], positive when discharging.
@@ -77,7 +77,7 @@ pub struct Left {
     pub energy_wh: Real,
 }
 
-/// What an [`EnergyGauge`] says.
+/// Output of an [`EnergyGauge`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -74,7 +74,7 @@ impl TemperatureWindow {
     }
 }
 
-/// The limits that a [`PowerLimits`] keeps beside the battery's largest currents.
+/// Parameters of [`PowerLimits`]: the limits kept beside the battery's largest currents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

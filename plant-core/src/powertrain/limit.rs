@@ -1,4 +1,9 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
+//!
+//! Within a friction mode the battery current `D·i = I` is a quadratic in the duty,
+//! `(E − R·I)·D² + β·D − ρ·I = 0`; its root in the mode that it leads to is the duty. It is ours.
+//!
+//! Tests: below; property `limits`.
 
 use super::solve::{Solution, Start};
 use super::{Limited, Powertrain, PowertrainState};

@@ -1,7 +1,51 @@
 //! The coupled plant: battery, auxiliary load, converter, motor, gearbox, wheel, body.
 //!
-//! One walk down the chain eliminates everything but the vehicle's speed increment; one walk back
-//! settles each state from it. No iteration, except a bounded one when a battery limit acts.
+//! # Equations
+//! With D the duty, i the winding current, v the speed of the road, k the motor's turns (rad) per
+//! metre (`motor_rad_per_m`), m all that moves as mass (`moving_mass_kg`) and b all that is
+//! viscous, seen from the road (`coast`), the components are coupled by
+//!
+//! ```text
+//! battery    V = V_oc(SOC) − V_rc − R_s·I     dSOC/dt = −I/(3600·Q)    C·dV_rc/dt = I − V_rc/R_p
+//! bus        I = D·i + P/V + V/R_aux + P_0/V                  auxiliary loads, converter's loss
+//! winding    L·di/dt = D·V − R_c·i − R·i − Ke·k·v             R_c: converter with its drop
+//! road       m·dv/dt = Kt·k·i − c·|v + w|·(v + w) − b·v − M·g·sin α − F_c·sgn(v)
+//!            F_c = C_r·M·g·cos α + F_brake + Coulomb friction + gears' loss, set-valued at v = 0
+//! ```
+//!
+//! \[EPowertrain2025, eq. 3.2 to 3.15 and 4.2 to 4.7, errata applied\]; each component's own header
+//! says where an equation comes from.
+//!
+//! # One step
+//! What is linear in the new state is taken implicitly; `V_oc`, `|v + w|`, `|i|` of the gears' loss
+//! and `V` of the constant powers at the old one. So a step is stable for any h. One walk down the
+//! chain eliminates everything but the increment Δv (`i`, `v` are the old values):
+//!
+//! ```text
+//! Battery::offer              V  = emf − resistance·I         RC branch eliminated      source
+//! Source::loaded              V  = emf − resistance·D·i'      loads eliminated          bus
+//! Converter::seen_through     D·emf behind D²·resistance + R_c                          seen
+//! Winding::law                Y  = 1/(L/h + R + seen.resistance)               admittance_s
+//!                             Δi = Y·(seen.emf − (R + seen.resistance)·i − Ke·k·v) − Y·Ke·k·Δv
+//!                                = free_a − per_speed·Δv                                current
+//!                             F  = Kt·k·(i + free_a) − Kt·Ke·k²·Y·Δv = effort − slope·Δv  drive
+//! Body::resistance            force = −(c·|v + w|·(v + w) + b·v + M·g·sin α)       resistance
+//!                             slope = m/h + b + c·|v + w|      friction = F_c
+//! project                     Δv = (force + effort ∓ friction)/(slope + drive.slope)   motion
+//! ```
+//!
+//! `project` takes v to exactly 0 where friction holds it. One walk back settles each state:
+//! `Δi = free_a − per_speed·Δv`, `I` and `V` on the bus, SOC, distance. No iteration, except
+//! a bounded one when a battery limit acts ([`Limited`]). In one line, with `a11 = L/h + R_total`
+//! and `a22 = m/h + c·|v + w| + b`, it is the solution of the two by two system whose determinant
+//! is `a11·a22 + Ke·Kt·k²`.
+//!
+//! The reduction is ours, as are port laws ([`port`](crate::port)), limits and ledger.
+//!
+//! Tests: `tests` below (the equations above, written again in double precision, at the end of each
+//! step); all `properties`; order of convergence in `tests/tests/order.rs`; rounding in
+//! `tests/tests/rounding.rs`; a second tool in `tests/tests/second_reference.rs`; cases "UDDS",
+//! "trip", "converter bench".
 
 pub mod ledger;
 mod limit;
@@ -31,6 +75,28 @@ use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stor
 /// which battery it has.
 ///
 /// For a given duty and given forces a step is stable for any `h` and any physical parameter.
+///
+/// ```
+/// use plant_core::powertrain::ledger::EnergyLedger;
+/// use plant_core::powertrain::{Powertrain, PowertrainInput};
+/// use plant_core::{Dt, ParamError, must, presets};
+///
+/// const CAR: Powertrain<EnergyLedger> = must!(Powertrain::with_ledger(
+///     presets::EPOWERTRAIN_UDDS.powertrain,
+///     must!(Dt::from_s(0.001)),
+/// ));
+///
+/// let start = CAR.at_rest(0.8)?;
+/// let mut state = start;
+/// for _ in 0..5000 {
+///     CAR.step(&mut state, PowertrainInput { duty: 0.1, ..PowertrainInput::default() });
+/// }
+/// assert!(state.body.speed_m_s.get() > 5.0);
+/// let energy = CAR.energy(&start, &state);
+/// assert!(energy.kinetic > 0.0 && energy.copper > 0.0 && energy.drag > 0.0);
+/// assert!(energy.residual_rel().abs() < 1e-5); // every joule is named
+/// # Ok::<(), ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powertrain<L = NoLedger, B = Battery> {
     battery: B,
@@ -69,7 +135,7 @@ pub struct PowertrainState<L = NoLedger, S = BatteryState> {
     pub ledger: L,
 }
 
-/// What drives a [`Powertrain`].
+/// Input of a [`Powertrain`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowertrainInput {

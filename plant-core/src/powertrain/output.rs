@@ -21,7 +21,7 @@ pub enum Limited {
     Charge,
 }
 
-/// What one step of a [`Powertrain`] says.
+/// Output of one step of a [`Powertrain`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowertrainOutput {

@@ -8,7 +8,7 @@ use crate::mechanics::body::BodyParams;
 use crate::mechanics::gearbox::GearboxParams;
 use crate::mechanics::wheel::WheelParams;
 
-/// What is known about a powertrain: the parameters of its components.
+/// Parameters of a powertrain: those of its components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

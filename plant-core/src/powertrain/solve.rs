@@ -1,5 +1,7 @@
 //! One solution of the coupled plant for one duty: down the chain, one equation, and back to the
-//! currents.
+//! currents, as the header of [`powertrain`](super) says.
+//!
+//! Tests: `tests` of the powertrain.
 
 use super::{Powertrain, PowertrainState};
 use crate::battery::Pack;

@@ -1,9 +1,9 @@
-//! What a [`CoulombCounter`](super::CoulombCounter) is told.
+//! Parameters of a [`CoulombCounter`](super::CoulombCounter).
 
 use plant_core::Real;
 use plant_core::battery::OpenCircuit;
 
-/// What is known about a battery and its current sensor.
+/// Parameters of a [`CoulombCounter`](super::CoulombCounter): a battery and its current sensor.
 ///
 /// Capacity, curve and rest voltage are of the same thing: a cell, or a pack as one.
 #[derive(Clone, Copy, Debug, PartialEq)]

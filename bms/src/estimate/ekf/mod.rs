@@ -133,7 +133,7 @@ pub struct EkfState {
     slow: slow::Slow,
 }
 
-/// What was measured at the end of a step; not a number where it was not.
+/// Input of one step of an [`Ekf`]: what was measured at its end; not a number where it was not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfInput {
@@ -147,7 +147,7 @@ pub struct EkfInput {
     pub contactors_open: bool,
 }
 
-/// What one step of an [`Ekf`] says; [`Ekf::estimate`] and [`Ekf::status`] say what is known.
+/// Output of one step of an [`Ekf`]; [`Ekf::estimate`] and [`Ekf::status`] say what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfOutput {

@@ -14,7 +14,7 @@ const LARGEST_RATIO: Real = 2.0;
 /// Newton steps and bisections; 24 bisections alone leave less than a millionth.
 const ROUNDS: u32 = 24;
 
-/// What is known about the current sensor, and how a [`CapacityEstimator`] learns.
+/// Parameters of a [`CapacityEstimator`]: how good the current sensor is, and how it learns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -83,7 +83,7 @@ pub struct CapacityState {
     variance: Real,
 }
 
-/// Two instants, and what flowed between them.
+/// Input of a [`CapacityEstimator`]: two instants, and what flowed between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapacityInput {
     /// What was believed at the first; of it, the state of charge and its standard deviation.
@@ -96,7 +96,7 @@ pub struct CapacityInput {
     pub duration_s: Real,
 }
 
-/// What a [`CapacityEstimator`] says.
+/// Output of a [`CapacityEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CapacityOutput {

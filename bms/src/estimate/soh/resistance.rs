@@ -16,7 +16,8 @@ const LARGEST_FACTOR: Real = 10.0;
 /// A single residual's square over what was expected counts up to this.
 const MOST_MISFIT: Real = 1000.0;
 
-/// What is known about the readings, and how a [`ResistanceEstimator`] learns from them.
+/// Parameters of a [`ResistanceEstimator`]: how good the readings are, and how it learns from
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,7 +90,7 @@ struct Sample {
     overpotential_v: Real,
 }
 
-/// What a [`ResistanceEstimator`] looks at: readings of the same instant.
+/// Input of a [`ResistanceEstimator`]: readings of the same instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResistanceInput {
     /// Voltage at the terminals \[V\].
@@ -100,7 +101,7 @@ pub struct ResistanceInput {
     pub estimate: Estimate,
 }
 
-/// What a [`ResistanceEstimator`] says.
+/// Output of a [`ResistanceEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResistanceOutput {

@@ -1,11 +1,16 @@
-//! A load on a shaft: inertia and friction.
+//! A load on a shaft: inertia and friction, `J·dω/dt = T − f_s·ω − T_c·sgn(ω)`.
+//!
+//! \[EPowertrain2025, `RotLoad`\]; the Coulomb torque is ours.
+//!
+//! Tests: `tests` below; properties `finite`, `refusal`; order of convergence in
+//! `tests/tests/order.rs`; cases "load on a shaft", "converter bench".
 
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, sane};
 use crate::port::{Coast, DriveLaw, Slip, project};
 
-/// What is known about a load on a shaft.
+/// Parameters of a load on a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -24,12 +29,31 @@ pub struct RotationalLoadParams {
 
 /// A turning load, discretised for one step.
 ///
-/// `J·dω/dt = T − f_s·ω − T_c·sgn(ω)` (EPowertrain 2025, `RotLoad`), taken implicitly in ω; the
+/// `J·dω/dt = T − f_s·ω − T_c·sgn(ω)` \[EPowertrain2025, `RotLoad`\], taken implicitly in ω; the
 /// Coulomb torque is set-valued, so standstill is exact.
 ///
 /// It steps on its own under a given torque, or closes a chain: [`solve`](Self::solve) takes what
 /// a motor's or a gearbox's shaft offers and finds the one speed increment of everything on that
 /// shaft; [`settle`](Self::settle) books it.
+///
+/// ```
+/// use plant_core::mechanics::rotational::{
+///     RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
+/// };
+/// use plant_core::{Dt, must};
+///
+/// const FAN: RotationalLoad = must!(RotationalLoad::new(
+///     RotationalLoadParams { inertia_kg_m2: 0.04, viscous_nm_s_per_rad: 0.0, coulomb_nm: 0.3 },
+///     must!(Dt::from_s(0.01)),
+/// ));
+///
+/// let mut state = RotationalLoadState::default();
+/// assert_eq!(FAN.step(&mut state, RotationalLoadInput { torque_nm: 0.29 }).speed_rad_s, 0.0);
+/// for _ in 0..100 {
+///     FAN.step(&mut state, RotationalLoadInput { torque_nm: 1.3 });
+/// }
+/// assert!((state.speed_rad_s.get() - 25.0).abs() < 1e-3); // (T − T_c)·t/J after 1 s
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotationalLoad {
     coast: Coast,
@@ -43,14 +67,14 @@ pub struct RotationalLoadState {
     pub speed_rad_s: Accum,
 }
 
-/// What drives a [`RotationalLoad`] that steps on its own.
+/// Input of a [`RotationalLoad`] that steps on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotationalLoadInput {
     /// Torque of the shaft on the load \[N·m\].
     pub torque_nm: Real,
 }
 
-/// What one step of a [`RotationalLoad`] says.
+/// Output of one step of a [`RotationalLoad`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RotationalLoadOutput {
