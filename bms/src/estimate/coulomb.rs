@@ -1,4 +1,15 @@
 //! State of charge by counting charge, put right by the open-circuit voltage at rest.
+//!
+//! `SOC = SOC₀ − ∫ I dt / Q` with discharge current positive, charging current times its efficiency
+//! \[Plett2015, ch. 2\]. The errors of the count, and when a rest puts it right, are ours: the
+//! errors of a count are not noise, an offset stays the same offset. So each grows in proportion to
+//! its cause, and they join as independent of each other. With `t` the time and `q` the charge
+//! since the count was last put right, as state of charge:
+//! `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`, and never
+//! more than that of a state of charge that may be anything.
+//!
+//! Tests: `tests` below; `tests/tests/bms_pack/coulomb.rs` and `finite.rs`; measured cells and
+//! trips in `voltstep soc --estimator coulomb`.
 
 mod params;
 
@@ -13,17 +24,10 @@ use crate::estimate::curve::rising;
 
 /// Counts charge, and knows how wrong the count may be.
 ///
-/// `SOC = SOC₀ − ∫ I dt / Q` with discharge current positive, charging current times its
-/// efficiency (Plett 2015, vol. 1, ch. 2). Two parts, so that the fast one stays small:
-/// [`step`](Self::step) at every sample of the current, [`review`](Self::review) about once a
-/// second, which brings state of charge and uncertainty up to date and looks for a rest. What
-/// flows to and fro between two reviews cancels before efficiency and gain apply to it.
-///
-/// The errors of a count are not noise: an offset stays the same offset. So each grows in
-/// proportion to its cause, and they join as independent of each other. With `t` the time and `q`
-/// the charge since the count was last put right, as state of charge:
-/// `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`,
-/// and never more than that of a state of charge that may be anything.
+/// Two parts, so that the fast one stays small: [`step`](Self::step) at every sample of the
+/// current, [`review`](Self::review) about once a second, which brings state of charge and uncertainty up to
+/// date and looks for a rest. What flows to and fro between two reviews cancels before efficiency
+/// and gain apply to it.
 ///
 /// ```
 /// use plant_core::battery::OpenCircuit;
@@ -91,7 +95,7 @@ pub struct CoulombState {
     /// State of charge at the last review.
     soc: Accum,
     /// Since the count was put right: its standard deviation then, the time, and as SOC the charge
-    /// taken out, the charge moved either way, and what may have flowed unseen.
+    /// taken out, the charge moved in either direction, and what may have flowed unseen.
     anchor_sd: Real,
     counted_s: Accum,
     taken_soc: Accum,

@@ -50,7 +50,8 @@ pub struct MappedBattery {
     pub(super) capacity_c: Real,
     dt_s: Real,
     refresh_steps: u32,
-    /// K per J of heat over one refresh, and the share of the way to the surroundings.
+    /// K per J of heat over one refresh, and the share of the difference to the surroundings that
+    /// is lost in it.
     warming_k_per_j: Real,
     cooling_gain: Real,
 }
@@ -289,8 +290,8 @@ impl MappedBattery {
         let soc_drop = current_a * self.soc_per_a;
         next.soc.add(-soc_drop);
         if self.params.hysteresis.half_gap_v > 0.0 {
-            let way = lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs());
-            next.hysteresis.add(way * (-sign(current_a) - next.hysteresis.get()));
+            let share = lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs());
+            next.hysteresis.add(share * (-sign(current_a) - next.hysteresis.get()));
         }
         next.heat_j += overpotential_v * current_a * self.dt_s;
         next

@@ -303,7 +303,7 @@ impl TorqueDriver {
 
     /// The torque command \[N·m\] and the friction brake \[N\] where a limit acts, backwards, and at
     /// standstill: the brake takes what the motor may not do, or what the battery does not let it
-    /// do. Tells the speed controller which way it is held back.
+    /// do. Tells the speed controller in which direction it is held back.
     #[cold]
     fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
         let vehicle = &input.vehicle;
@@ -314,23 +314,23 @@ impl TorqueDriver {
         }
         let forward = if v == 0.0 { input.reference_m_s >= 0.0 } else { v > 0.0 };
         // From here on torques and forces count in the direction of motion.
-        let way = if forward { 1.0 } else { -1.0 };
-        let wanted_nm = way * wanted_nm;
+        let direction = if forward { 1.0 } else { -1.0 };
+        let wanted_nm = direction * wanted_nm;
         let command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
         let mut short_nm = command_nm - wanted_nm;
         if vehicle.limited && wanted_nm < 0.0 {
-            short_nm += max(way * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
+            short_nm += max(direction * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
         }
         let demand_n = short_nm * self.motor_rad_per_m;
-        let direction = if demand_n < 0.0 {
-            way // the drive gives less than wanted
+        let saturation = if demand_n < 0.0 {
+            direction // the drive gives less than wanted
         } else if demand_n > self.params.brake_limit_n {
-            -way // even the brake does
+            -direction // even the brake does
         } else {
             0.0
         };
-        Pid::saturate(&mut state.speed, direction);
-        (way * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
+        Pid::saturate(&mut state.speed, saturation);
+        (direction * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
     }
 }
 

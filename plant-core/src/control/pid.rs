@@ -133,7 +133,7 @@ pub struct PidState {
     last: Option<Real>,
     /// Smoothed difference per step.
     difference: Accum,
-    /// Which way something further down the loop was saturated: its sign.
+    /// In which direction something further down the loop was saturated: its sign.
     excess: Real,
 }
 
@@ -245,7 +245,8 @@ impl Pid {
         if self.is_directional() { state.output.get() - applied } else { 0.0 }
     }
 
-    /// Tells only which way something further down the loop is saturated: 1 up, −1 down, 0 not.
+    /// Tells only in which direction something further down the loop is saturated: 1 up, −1 down,
+    /// 0 not.
     #[inline]
     pub const fn saturate(state: &mut PidState, direction: Real) {
         state.excess = direction;

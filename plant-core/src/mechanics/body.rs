@@ -139,7 +139,7 @@ pub struct BodyOutput {
     pub acceleration_m_s2: Real,
     /// Force of the air, positive against forward motion \[N\].
     pub drag_n: Real,
-    /// Whether and which way it moves.
+    /// Whether and in which direction it moves.
     pub slip: Slip,
     /// An input was not finite or absurd; the state is unchanged.
     pub rejected: bool,
@@ -150,7 +150,7 @@ pub struct BodyOutput {
 pub struct Motion {
     /// Speed increment \[m/s\].
     pub increment_m_s: Real,
-    /// Whether and which way it moves afterwards.
+    /// Whether and in which direction it moves afterwards.
     pub slip: Slip,
 }
 

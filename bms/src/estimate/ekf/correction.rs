@@ -1,10 +1,10 @@
-//! One correction of an [`Ekf`](super::Ekf) by a voltage.
+//! One correction of an [`Ekf`](super::Ekf) by a voltage, as its header gives it.
 
 use plant_core::num::Real;
 
 use super::{EkfOutput, EkfState};
 
-/// The terms of one correction with a given slope of the open-circuit curve (Bierman 1977, V.3).
+/// The terms of one correction with a given slope of the open-circuit curve \[Bierman1977, V.3\].
 pub(super) struct Correction {
     pub slope_v: Real,
     /// Variance of the residual but for the model's error \[V²\].

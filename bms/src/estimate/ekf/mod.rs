@@ -1,10 +1,39 @@
 //! State of charge from current and voltage, with a standard deviation that can be believed.
 //!
-//! An extended Kalman filter (Plett 2004, part 3) with two states: the state of charge, and the
+//! An extended Kalman filter \[Plett2004Part3\] with two states: the state of charge, and the
 //! error of the model's voltage. What makes its standard deviation honest is the second one: a
 //! model that is 15 mV wrong stays so for minutes, and a filter that takes this for noise averages
 //! it away and claims what it cannot know.
 //!
+//! # Equations
+//! ```text
+//! prediction   s ← s − h·(I − I_off)/(3600·Q)        v_k ← v_k + g_k·(R_k·(I − I_off) − v_k)
+//! measurement  V = OCV(s) + M·η + e − R_0·(I − I_off) − v_1 − v_2 + noise of variance r
+//! covariance   P = U·D·Uᵀ,  U = (1 u; 0 1),  D = diag(d_s, d_e):  var(s) = d_s + u²·d_e
+//! correction   w = u·H + 1    S = r + H²·d_s + w²·d_e    Δs = (H·d_s + u·w·d_e)·res/S
+//!              Δe = w·d_e·res/S    d_s ← d_s·r/(r + H²·d_s)    d_e ← d_e·(r + H²·d_s)/S
+//!              u ← u − d_s·H·w/(r + H²·d_s)
+//! ```
+//! The covariance in factors \[Bierman1977, section V.3\] is symmetric by form, and positive as
+//! long as `d_s` and `d_e` are, which only ever are multiplied by ratios of positive numbers or
+//! added to.
+//!
+//! | Symbol | Field |
+//! |---|---|
+//! | `s`, state of charge | [`EkfState::soc`]: `soc_before + rise` |
+//! | `v_1`, `v_2`, polarisation | [`EkfState::polarisation_v`] |
+//! | `e`, error of the model's voltage | [`EkfState::error_v`] |
+//! | `d_s`, `d_e` | [`EkfState::own_variance`], [`EkfState::error_variance_v2`] |
+//! | `u`; `var(s)` | [`EkfState::shared_per_v`]; [`EkfState::variance`] |
+//! | `I_off`, offset of the current sensor | [`EkfState::current_offset_a`] |
+//! | `R_0`; `g_k·R_k` | `series_ohm`; `branch_ohm` |
+//! | `OCV + M·η` and its tangent, as of the last refresh | `open_circuit_v`, `tangent_v` |
+//! | `H`, slope that the correction uses | `slope_v` |
+//! | `r = r_0 + r_I·I²` | `noise_v2`, `load_noise_ohm2` |
+//! | `η`, hysteresis; `Ī`; `σ` | `slow.hysteresis`, `slow.load_a`, `slow.error_sd_v` |
+//! | `res`; its mean | [`EkfOutput::residual_v`]; `slow.residual_v` |
+//!
+//! # What is ours
 //! - **The model's error** is coloured. Its standard deviation follows the load:
 //!   `σ² = σ_ocv² + (ρ·R·Ī)² + σ_pol²` with ρ the relative error of the resistances, Ī the mean
 //!   magnitude of the current over minutes, and `σ_pol` what is left of an unknown polarisation at
@@ -16,19 +45,20 @@
 //!   noise with the same spectral density.
 //! - **The curve bends**: of its mean slopes within three standard deviations the least counts; a
 //!   curve that is steep on one side only says little.
-//! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of
-//!   more than three standard deviations says that the battery has left the flat part, and where to.
+//! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of more
+//!   than three standard deviations says that the battery has left the flat part, and where to.
 //! - **Drift**: offset of the current sensor and error of the capacity, as a random walk that
 //!   reaches their effect after an hour.
 //!
 //! The polarisation is that of the model under the measured current: the branches forget, so what
-//! is wrong in them is part of the model's error. The covariance is kept as `U·D·Uᵀ` (Bierman 1977,
-//! section V.3): symmetric by form, positive as long as its two factors are, which only ever are
-//! multiplied by ratios of positive numbers or added to.
+//! is wrong in them is part of the model's error.
 //!
 //! [`Ekf::update`] predicts and corrects at each sample, along the tangent of the open-circuit
 //! curve; [`Ekf::refresh`], about once a second, brings that tangent, the resistances and the
 //! variances that only grow slowly up to date.
+//!
+//! Tests: `tests` below; long runs in `tests/tests/bms_ekf.rs`; measured cells and trips in
+//! `tests/tests/soc.rs` and `voltstep soc --matrix`.
 
 mod correction;
 mod params;
@@ -45,7 +75,7 @@ use plant_core::{Dt, Model, ParamError, check};
 use crate::Estimate;
 use correction::Correction;
 
-/// A correction of the state of charge beyond this is made with the curve's slope on the way.
+/// A correction of the state of charge beyond this is made with the curve's mean slope over it.
 const LARGE_CORRECTION: Real = 0.02;
 /// Slopes that are tried for it.
 const CORRECTIONS: u32 = 3;
@@ -272,7 +302,7 @@ impl Ekf {
         (voltage_v + slope * (soc - inside), slope)
     }
 
-    /// A large correction with the mean slope of the curve on its way: where the curve bends, the
+    /// A large correction with the mean slope of the curve over it: where the curve bends, the
     /// slope at its start would lead astray. A residual that is no measurement corrects nothing,
     /// nor does one that would lower the state of charge for a voltage that is too high: that comes
     /// of a slope that was another one when the model's error was learnt, not of the battery.
@@ -283,11 +313,11 @@ impl Ekf {
         let (open_circuit_v, _) = self.open_circuit(soc);
         let mut correction = Correction::new(state, state.slope_v, noise_v2);
         for _ in 0..CORRECTIONS {
-            let way = clamp(soc + correction.soc_per_v * residual_v, 0.0, 1.0) - soc;
-            if way.abs() < 0.1 * LARGE_CORRECTION {
+            let change = clamp(soc + correction.soc_per_v * residual_v, 0.0, 1.0) - soc;
+            if change.abs() < 0.1 * LARGE_CORRECTION {
                 break;
             }
-            let slope = (self.open_circuit(soc + way).0 - open_circuit_v) / way;
+            let slope = (self.open_circuit(soc + change).0 - open_circuit_v) / change;
             correction = Correction::new(state, slope, noise_v2);
         }
         state.residual_sum_v += residual_v;

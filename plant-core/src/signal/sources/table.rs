@@ -177,7 +177,7 @@ mod tests {
         (0..steps).map(|_| t.step(&mut s, ())).collect()
     }
 
-    /// The polyline by search, in f64: an independent way to the same values.
+    /// The polyline by search, in f64: an independent method for the same values.
     fn exact(points: &[(Real, Real)], time_s: f64) -> f64 {
         let i = points.partition_point(|p| f64::from(p.0) <= time_s).clamp(1, points.len() - 1);
         let ((x0, y0), (x1, y1)) = (points[i - 1], points[i]);
