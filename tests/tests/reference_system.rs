@@ -1,6 +1,6 @@
 //! The published reference system, reproduced: UDDS in a closed loop and the step of the DC motor.
 //!
-//! The targets are recomputations of `EPowertrain` (2025) with adaptive solvers, at tolerances of
+//! The targets are recomputations of `EPowertrain2025` with adaptive solvers, at tolerances of
 //! 1e-8 (UDDS) and 1e-10 (motor), not its printed figures.
 
 use plant_core::Dt;

@@ -14,7 +14,7 @@ use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
 use voltstep::simulate::summary::NUMERICAL_WARNING;
 
-/// "Good" is speed within ±1.6 km/h in `EPowertrain` (2025), section 5.5.2 \[m/s\].
+/// "Good" is speed within ±1.6 km/h in `EPowertrain2025`, section 5.5.2 \[m/s\].
 const SPEED_RMS_M_S: f64 = 1.6 / 3.6;
 /// The ledger is compensated sums in single precision.
 const RESIDUAL: f64 = 1e-6;

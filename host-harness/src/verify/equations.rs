@@ -1,5 +1,5 @@
 //! The continuous equations of the coupled vehicle, written once more from the reference system
-//! (`EPowertrain` 2025, errata applied) in double precision. Nothing here calls `plant-core`.
+//! (`EPowertrain2025`, errata applied) in double precision. Nothing here calls `plant-core`.
 //!
 //! Two lags are faster than all else by a factor of a thousand at least and are eliminated: an RC
 //! branch with τ ≤ 1 µs acts as its resistance, and the PID's smoothing of 1 µs as the first term

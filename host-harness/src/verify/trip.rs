@@ -1,4 +1,4 @@
-//! Closed loop along a trip (`EPowertrain` 2025, section 5.5): the synthetic one that is part of the
+//! Closed loop along a trip (`EPowertrain2025`, sections 5.4 and 5.5): the synthetic one that is part of the
 //! project, and `TripA01` where `VOLTSTEP_DATA` says it is.
 
 use std::path::Path;

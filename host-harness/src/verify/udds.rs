@@ -1,4 +1,4 @@
-//! UDDS in closed loop, with both parameter sets (`EPowertrain` 2025, section 5.4).
+//! UDDS in closed loop, with both parameter sets (`EPowertrain2025`, section 5.3).
 
 use anyhow::Context;
 

@@ -8,8 +8,9 @@ use plant_core::presets::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 use plant_core::{Accum, Dt, must};
 
 use super::*;
-use crate::estimate::energy::EnergyParams;
-use crate::estimate::power::BoundBy;
+use crate::estimate::energy::{EnergyParams, EnergyState};
+use crate::estimate::power::{Allowance, BoundBy};
+use crate::{Estimate, Health};
 
 const DT: Dt = must!(Dt::from_s(1.0));
 /// A cell whose numbers do not move when a preset is made anew.

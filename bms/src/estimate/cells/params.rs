@@ -1,4 +1,4 @@
-//! How alike the cells of a pack are, and what of it can be worked out beforehand.
+//! Parameters of [`Cells`](super::Cells), and what of them can be worked out beforehand.
 
 use plant_core::battery::OpenCircuit;
 use plant_core::num::{SOC_POINTS, SocTable, max};
@@ -6,7 +6,8 @@ use plant_core::{Dt, ParamError, Real};
 
 use crate::estimate::curve::INTERVALS;
 
-/// How alike the cells of a pack are, and how well their voltages are measured.
+/// Parameters of [`Cells`](super::Cells): how alike the cells of a pack are, and how well their
+/// voltages are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

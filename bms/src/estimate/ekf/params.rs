@@ -1,4 +1,4 @@
-//! What an [`Ekf`](super::Ekf) is told: the battery, and how well it is known.
+//! Parameters of an [`Ekf`](super::Ekf): the battery, and how well it is known.
 
 use plant_core::battery::MappedBatteryParams;
 use plant_core::error::{above, limit, not_negative, positive, ratio};
@@ -75,7 +75,7 @@ impl Uncertainty {
     }
 }
 
-/// What is known about a battery and its sensors.
+/// Parameters of an [`Ekf`](super::Ekf): a battery, its sensors, and how well they are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfParams {

@@ -6,7 +6,8 @@ use plant_core::error::ratio;
 use plant_core::num::{Accum, Real, clamp, lag_gain, max, min, sign, sqrt};
 use plant_core::{ParamError, check};
 
-use super::{CONSISTENT, Correction, Ekf, EkfInput, EkfOutput, EkfState};
+use super::correction::Correction;
+use super::{CONSISTENT, Ekf, EkfInput, EkfOutput, EkfState};
 
 /// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
 const UNKNOWN_SD: Real = 0.288_675_13;
@@ -27,8 +28,8 @@ const DISTRUST: Real = 0.003;
 const RESIDUAL_S: Real = 10.0;
 /// The noise of a voltage that says nothing \[V²\].
 const SILENT_V2: Real = 1e9;
-/// A way too short for a mean slope: rounding would be in it.
-const SHORT_WAY: Real = 1e-3;
+/// Over less than this there is no mean slope: rounding would be in it.
+const SHORTEST_CHORD: Real = 1e-3;
 /// 0 °C in kelvin.
 const KELVIN: Real = 273.15;
 /// Temperatures outside are no measurement \[°C\].
@@ -278,7 +279,7 @@ impl Ekf {
             for _ in 0..2 {
                 let to = clamp(from + reach, 0.0, 1.0);
                 let (to_v, _) = self.open_circuit(to);
-                if (to - from).abs() > SHORT_WAY {
+                if (to - from).abs() > SHORTEST_CHORD {
                     state.slope_v = min(state.slope_v, (to_v - from_v) / (to - from));
                 }
                 (from, from_v) = (to, to_v);
@@ -334,9 +335,9 @@ impl Ekf {
         if params.half_gap_v > 0.0 {
             let rise = state.soc() - state.slow.soc_then;
             // A correction moves no charge.
-            let way = lag_gain(params.rate_per_soc * min(rise.abs(), moved));
-            state.slow.hysteresis += way * (sign(rise) - state.slow.hysteresis);
-            state.slow.hysteresis_sd -= way * state.slow.hysteresis_sd;
+            let share = lag_gain(params.rate_per_soc * min(rise.abs(), moved));
+            state.slow.hysteresis += share * (sign(rise) - state.slow.hysteresis);
+            state.slow.hysteresis_sd -= share * state.slow.hysteresis_sd;
         }
         state.slow.soc_then = state.soc();
     }

@@ -10,14 +10,14 @@ use crate::{Estimate, Health};
 /// Stretches that a horizon is cut into.
 const STRETCHES: u32 = 8;
 
-/// Which way the current flows.
+/// In which direction the current flows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Direction {
     Discharge,
     Charge,
 }
 
-impl Way {
+impl Direction {
     /// Of the current; and of the voltage's distance to the limit that it runs towards.
     pub(super) const fn sign(self) -> Real {
         match self {
@@ -105,7 +105,7 @@ impl<'a> Ahead<'a> {
         horizon: &'a Horizon,
         estimate: &'a Estimate,
         health: &Health,
-        way: Way,
+        direction: Direction,
     ) -> Self {
         Self {
             battery,
@@ -113,7 +113,7 @@ impl<'a> Ahead<'a> {
             estimate,
             resistance_factor: health.resistance_factor,
             soc_per_as: 1.0 / (3600.0 * health.capacity_ah),
-            sign: way.sign(),
+            sign: direction.sign(),
             now: battery.resistances(estimate.soc, estimate.temperature_c),
         }
     }

@@ -184,8 +184,9 @@ fn a_decision_follows_the_rules() {
 
         let force_n = (p.speed.proportional * (reference_m_s - v)).clamp(-2e4, 2e4);
         let wanted_nm = (force_n + mass_kg * reference_m_s2) / turns;
-        let way = if if v == 0.0 { reference_m_s >= 0.0 } else { v > 0.0 } { 1.0 } else { -1.0 };
-        let (wanted_nm, motor_rad_s) = (way * wanted_nm, turns * v.abs());
+        let direction =
+            if if v == 0.0 { reference_m_s >= 0.0 } else { v > 0.0 } { 1.0 } else { -1.0 };
+        let (wanted_nm, motor_rad_s) = (direction * wanted_nm, turns * v.abs());
         let most_nm = p.peak_torque_nm.min(p.peak_power_w / motor_rad_s);
         let fade = (v.abs() / p.regen_fade_m_s).min(1.0)
             * ((1.0 - vehicle.soc) / p.regen_fade_soc).min(1.0);
@@ -195,15 +196,16 @@ fn a_decision_follows_the_rules() {
         let mut short_n = (given_nm - wanted_nm) * turns;
         if vehicle.limited && wanted_nm < 0.0 {
             // What the motor was to brake with and the battery did not take.
-            short_n +=
-                (way * car.motor.torque_nm_per_a * vehicle.motor_a - given_nm).max(0.0) * turns;
+            short_n += (direction * car.motor.torque_nm_per_a * vehicle.motor_a - given_nm)
+                .max(0.0)
+                * turns;
         }
         let mut brake_n = short_n.clamp(0.0, p.brake_limit_n);
         if standing {
             (given_nm, brake_n) = (0.0, p.brake_limit_n);
         }
         let i = vehicle.motor_a;
-        let voltage_v = ohm / car.motor.torque_nm_per_a * way * given_nm
+        let voltage_v = ohm / car.motor.torque_nm_per_a * direction * given_nm
             + car.motor.back_emf_v_s_per_rad * turns * v
             - gain_ohm * i
             + car.converter.voltage_drop_v * i / (i.abs() + DROP_FADE_A);
