@@ -118,9 +118,9 @@ impl Driver {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(
+    pub const fn new<P>(
         params: DriverParams,
-        vehicle: &PowertrainParams,
+        vehicle: &PowertrainParams<P>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         match params {
@@ -167,9 +167,9 @@ impl TorqueDriver {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(
+    pub const fn new<P>(
         params: TorqueDriverParams,
-        vehicle: &PowertrainParams,
+        vehicle: &PowertrainParams<P>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         check!(limit("driver.torque.peak_torque_nm", params.peak_torque_nm));
