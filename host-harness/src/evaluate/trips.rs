@@ -117,7 +117,7 @@ fn row(vehicle: &Vehicle, trip: &Trip, mode: Mode, dt_s: f64) -> anyhow::Result<
         .with_context(|| format!("{} in {} mode", trip.name, mode.name()))?;
     let summary = replay.summary;
     let error = summary.error.context("no comparison")?;
-    let unfit = trip.unfit(f64::from(vehicle.capacity_ah()));
+    let unfit = trip.unfit(f64::from(vehicle.powertrain.battery.capacity_ah()));
     let mut notes = summary.notes;
     if !unfit.is_empty() {
         notes.push("left out of the summary".to_owned());

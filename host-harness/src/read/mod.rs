@@ -4,8 +4,10 @@
 //! one kind of file. Whatever is wrong is an [`error`] with file, line and column.
 
 pub mod battery;
+mod builtin;
 pub mod cell;
 pub mod cycle;
+mod document;
 pub mod error;
 pub mod input;
 pub mod recognise;

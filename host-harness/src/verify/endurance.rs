@@ -97,7 +97,7 @@ struct Sums {
 /// None that is known of.
 pub fn run(years: u32, progress: &dyn Progress) -> anyhow::Result<EnduranceReport> {
     let days = years * DAYS_PER_YEAR;
-    let params = presets::BMW_I3_60AH.powertrain.battery;
+    let params = presets::BMW_I3_60AH_CONSTANT.powertrain.battery;
     let battery = Battery::new(params, DT)?;
     let start = BatteryState::rested(FULL)?;
     let day = day();

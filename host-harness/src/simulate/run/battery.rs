@@ -7,7 +7,7 @@ use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams, TimeTableSt
 use plant_core::{Dt, num};
 
 use super::{Run, Totals, TraceRow, step_at, tell, widen};
-use crate::read::vehicle::Vehicle;
+use crate::read::vehicle::{Vehicle, VehicleBattery};
 use crate::simulate::progress::Progress;
 
 /// A battery that is stepped on its own.
@@ -55,12 +55,13 @@ pub fn battery(
 ) -> anyhow::Result<Run> {
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     let dt = Dt::from_s(dt_s as f32)?;
-    match vehicle.battery_map {
-        None => {
-            let battery = Battery::new(vehicle.powertrain.battery, dt)?;
-            alone(&battery, load, start_soc, dt_s, dt, progress)
+    match vehicle.powertrain.battery {
+        VehicleBattery::Constant(battery) => {
+            alone(&Battery::new(battery, dt)?, load, start_soc, dt_s, dt, progress)
         }
-        Some(map) => alone(&MappedBattery::new(map, dt)?, load, start_soc, dt_s, dt, progress),
+        VehicleBattery::Mapped(battery) => {
+            alone(&MappedBattery::new(battery, dt)?, load, start_soc, dt_s, dt, progress)
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use plant_core::powertrain::{Feedback, Powertrain, PowertrainInput, PowertrainSt
 use plant_core::{Dt, num};
 
 use super::{Run, Totals, TraceRow, step_at, tell, widen};
-use crate::read::vehicle::Vehicle;
+use crate::read::vehicle::{Vehicle, VehicleBattery};
 use crate::simulate::progress::Progress;
 use crate::simulate::route::{Route, Row};
 
@@ -31,14 +31,18 @@ pub fn vehicle(
     let dt = Dt::from_s(dt_s as f32)?;
     let drive = Drive { vehicle, route, start_soc, dt, dt_s, progress };
     let params = vehicle.powertrain;
-    match (vehicle.battery_map, ledger) {
-        (None, false) => Ok(drive.along(&Powertrain::new(params, dt)?)?.0),
-        (None, true) => drive.with_ledger(&Powertrain::with_ledger(params, dt)?),
-        (Some(map), false) => {
-            Ok(drive.along(&Powertrain::mapped(params.with_battery(map), dt)?)?.0)
+    match (params.battery, ledger) {
+        (VehicleBattery::Constant(battery), false) => {
+            Ok(drive.along(&Powertrain::new(params.with_battery(battery), dt)?)?.0)
         }
-        (Some(map), true) => {
-            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(map), dt)?)
+        (VehicleBattery::Constant(battery), true) => {
+            drive.with_ledger(&Powertrain::with_ledger(params.with_battery(battery), dt)?)
+        }
+        (VehicleBattery::Mapped(battery), false) => {
+            Ok(drive.along(&Powertrain::mapped(params.with_battery(battery), dt)?)?.0)
+        }
+        (VehicleBattery::Mapped(battery), true) => {
+            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(battery), dt)?)
         }
     }
 }
