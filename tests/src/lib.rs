@@ -1,5 +1,6 @@
-//! Tests of the whole workspace. The crate itself only knows where real measurements are; the tests
-//! are in `tests/`:
+//! Tests of the whole workspace. The crate itself knows where real measurements are, and its program
+//! `generate` writes the files that are made from others (`cargo xtask presets`, `cargo xtask trip`);
+//! the tests are in `tests/`:
 //!
 //! | Test | What it holds |
 //! |---|---|

@@ -1,4 +1,6 @@
-//! The command line of `voltstep`: each command owns its arguments, calls what is below, and prints.
+//! The command line of `voltstep`, a module for each command: it owns its arguments, calls what is
+//! below and prints. Ranges of arguments, exit codes, progress on a terminal and interruptions are
+//! settled here.
 
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;

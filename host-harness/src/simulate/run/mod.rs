@@ -1,4 +1,4 @@
-//! The stepping loops: [`vehicle`] drives the whole vehicle, [`battery`] the battery alone; both
+//! The stepping loops: [`vehicle()`] drives the whole vehicle, [`battery()`] the battery alone; both
 //! keep a trace and count over every step.
 
 mod battery;
