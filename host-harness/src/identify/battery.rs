@@ -284,7 +284,7 @@ fn branches(
     Ok((start, found))
 }
 
-/// Says which parameters the measurements hardly tell.
+/// Says which parameters are poorly identifiable from the measurements.
 fn uncertain(
     layout: &Layout,
     fit: &Fit,
@@ -292,21 +292,21 @@ fn uncertain(
     second_branch: bool,
     notes: &mut Vec<String>,
 ) {
-    const HARDLY: f64 = 0.5;
+    const POORLY: f64 = 0.5;
     let names = ["series resistance", "first RC branch", "second RC branch"];
     for (b, name) in names.iter().enumerate().take(if second_branch { 3 } else { 2 }) {
-        if b > 0 && errors[layout.log_tau(b)] > HARDLY {
-            notes.push(format!("the time constant of the {name} is hardly told"));
+        if b > 0 && errors[layout.log_tau(b)] > POORLY {
+            notes.push(format!("the time constant of the {name} is poorly identifiable"));
         }
         let at = layout.activation(b);
-        if errors[at] > HARDLY * fit.parameters[at] {
-            notes.push(format!("the activation temperature of the {name} is hardly told"));
+        if errors[at] > POORLY * fit.parameters[at] {
+            notes.push(format!("the activation temperature of the {name} is poorly identifiable"));
         }
         let weak =
-            layout.resistances(b).filter(|&i| errors[i] > HARDLY * fit.parameters[i]).count();
+            layout.resistances(b).filter(|&i| errors[i] > POORLY * fit.parameters[i]).count();
         if weak > 0 {
             let points = layout.ohm.len();
-            notes.push(format!("{weak} of {points} points of the {name} are hardly told"));
+            notes.push(format!("{weak} of {points} points of the {name} are poorly identifiable"));
         }
     }
 }
