@@ -65,14 +65,7 @@ const KELVIN_AT_0_C: Real = 273.15;
 /// pack.show(Snapshot {
 ///     voltage_v: 3.612,
 ///     current_a: 1.5,
-///     estimate: Estimate {
-///         soc: 0.5,
-///         soc_sd: 0.01,
-///         polarisation_v: [0.0; 2],
-///         hysteresis: 0.0,
-///         offset_v: 0.0,
-///         temperature_c: 25.0,
-///     },
+///     estimate: Estimate::rested(0.5, 0.01, 25.0),
 ///     health: Health::as_new(&CELL),
 ///     averages: EnergyState::default(),
 ///     discharge: Allowance {

@@ -59,14 +59,7 @@ pub use spread::{CellSoc, SocSpread};
 ///     must!(Dt::from_s(1.0)),
 /// ));
 ///
-/// let pack = Estimate {
-///     soc: 0.6,
-///     soc_sd: 0.01,
-///     polarisation_v: [0.0; 2],
-///     hysteresis: 0.0,
-///     offset_v: 0.0,
-///     temperature_c: 25.0,
-/// };
+/// let pack = Estimate::rested(0.6, 0.01, 25.0);
 /// let mut state = CELLS.start::<3>(pack);
 /// for _ in 0..300 {
 ///     let cell_v = [3.66, 3.70, 3.68]; // 20 mV apart at rest

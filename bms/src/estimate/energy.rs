@@ -57,14 +57,7 @@ pub struct EnergyParams {
 ///     EnergyParams { empty_soc: 0.05, full_soc: 1.0, empty_v: 2.8, least_a: 0.01 };
 /// const GAUGE: EnergyGauge = must!(EnergyGauge::new(PARAMS, &CELL, DT));
 ///
-/// let estimate = Estimate {
-///     soc: 0.8,
-///     soc_sd: 0.01,
-///     polarisation_v: [0.0; 2],
-///     hysteresis: 0.0,
-///     offset_v: 0.0,
-///     temperature_c: 25.0,
-/// };
+/// let estimate = Estimate::rested(0.8, 0.01, 25.0);
 /// let health = Health::as_new(&CELL);
 /// let gently = GAUGE.left(1.0, &estimate, &health);
 /// let hard = GAUGE.left(10.0, &estimate, &health);

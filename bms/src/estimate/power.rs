@@ -151,14 +151,7 @@ pub struct PowerParams {
 /// };
 /// const LIMITS: PowerLimits = must!(PowerLimits::new(PARAMS, &CELL));
 ///
-/// let at = |temperature_c| Estimate {
-///     soc: 0.3,
-///     soc_sd: 0.01,
-///     polarisation_v: [0.0; 2],
-///     hysteresis: 0.0,
-///     offset_v: 0.0,
-///     temperature_c,
-/// };
+/// let at = |temperature_c| Estimate::rested(0.3, 0.01, temperature_c);
 /// let health = Health::as_new(&CELL);
 /// let ([short, _, long], [cold, ..]) =
 ///     (LIMITS.ahead(&at(25.0), &health), LIMITS.ahead(&at(-5.0), &health));

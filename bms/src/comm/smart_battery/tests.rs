@@ -52,14 +52,7 @@ fn snapshot() -> Snapshot {
     Snapshot {
         voltage_v: 3.612,
         current_a: 1.5,
-        estimate: Estimate {
-            soc: 0.5,
-            soc_sd: 0.011,
-            polarisation_v: [0.0; 2],
-            hysteresis: 0.0,
-            offset_v: 0.0,
-            temperature_c: 25.0,
-        },
+        estimate: Estimate::rested(0.5, 0.011, 25.0),
         health: Health::as_new(&CELL),
         averages: EnergyState { average_a: Accum::new(1.2), average_w: Accum::new(4.32) },
         discharge: Allowance {

@@ -30,14 +30,7 @@ const PARAMS: PowerParams = PowerParams {
 const LIMITS: PowerLimits<'static> = must!(PowerLimits::new(PARAMS, &CELL));
 
 fn at(soc: Real, temperature_c: Real) -> Estimate {
-    Estimate {
-        soc,
-        soc_sd: 0.0,
-        polarisation_v: [0.0; 2],
-        hysteresis: 0.0,
-        offset_v: 0.0,
-        temperature_c,
-    }
+    Estimate::rested(soc, 0.0, temperature_c)
 }
 
 fn ahead(estimate: &Estimate) -> [PowerAhead; HORIZONS] {

@@ -83,14 +83,7 @@ pub struct CapacityParams {
 ///     must!(Dt::from_s(1.0)),
 /// ));
 ///
-/// let rested = |soc| Estimate {
-///     soc,
-///     soc_sd: 0.01,
-///     polarisation_v: [0.0; 2],
-///     hysteresis: 0.0,
-///     offset_v: 0.0,
-///     temperature_c: 25.0,
-/// };
+/// let rested = |soc| Estimate::rested(soc, 0.01, 25.0);
 /// // 1.5 A·h take 60 % of the charge: the cell has 2.5 A·h left of its 3.
 /// let pair = CapacityInput {
 ///     start: rested(0.9),

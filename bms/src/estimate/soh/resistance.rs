@@ -76,14 +76,7 @@ pub struct ResistanceParams {
 /// const ESTIMATOR: ResistanceEstimator = must!(ResistanceEstimator::new(PARAMS, &BATTERY, DT));
 ///
 /// // An aged cell: the voltage drops by half as much again, through the series resistance alone.
-/// let estimate = Estimate {
-///     soc: 0.6,
-///     soc_sd: 0.01,
-///     polarisation_v: [0.0; 2],
-///     hysteresis: 0.0,
-///     offset_v: 0.0,
-///     temperature_c: 25.0,
-/// };
+/// let estimate = Estimate::rested(0.6, 0.01, 25.0);
 /// let series_ohm = 1.5 * BATTERY.resistances(0.6, 25.0).series_ohm;
 /// let mut state = ESTIMATOR.unknown();
 /// let mut out = None;
