@@ -16,7 +16,7 @@ pub use rig::{Rig, RigState};
 pub use run::Run;
 
 use plant_core::Dt;
-use plant_core::battery::{BatteryParams, MappedBattery, MappedBatteryParams};
+use plant_core::battery::{MappedBattery, MappedBatteryParams};
 use plant_core::must;
 use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
 use plant_core::presets::{BMW_I3_60AH, BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS};
@@ -55,13 +55,12 @@ pub const BMW_I3_CONSTANT_LEDGER: Rig<EnergyLedger> =
     must!(Rig::with_ledger(&BMW_I3_60AH_CONSTANT, DT));
 
 /// The estimators of the first's battery. Apart from the plant, whose coefficients are few.
-pub const EPOWERTRAIN_MONITOR: Monitor = constant(EPOWERTRAIN_UDDS.powertrain.battery, 550.0);
+pub const EPOWERTRAIN_MONITOR: Monitor =
+    must!(Monitor::new(MappedBatteryParams::constant(EPOWERTRAIN_UDDS.powertrain.battery), 550.0));
 /// Those of the car's.
 pub const BMW_I3_MONITOR: Monitor = must!(Monitor::new(BMW_I3_60AH.powertrain.battery, 370.0));
-/// Those of the car's with constant parameters.
-pub const BMW_I3_CONSTANT_MONITOR: Monitor =
-    constant(BMW_I3_60AH_CONSTANT.powertrain.battery, 370.0);
-
-const fn constant(battery: BatteryParams, nominal_v: f32) -> Monitor {
-    must!(Monitor::new(MappedBatteryParams::constant(battery), nominal_v))
-}
+/// Those of its battery of constant parameters.
+pub const BMW_I3_CONSTANT_MONITOR: Monitor = must!(Monitor::new(
+    MappedBatteryParams::constant(BMW_I3_60AH_CONSTANT.powertrain.battery),
+    370.0
+));
