@@ -43,3 +43,8 @@ pub mod store;
 pub use estimate::Estimate;
 pub use estimate::soh::Health;
 pub use plant_core::{Accum, Dt, ParamError, Real};
+
+/// The example of this crate's README, kept compiling.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

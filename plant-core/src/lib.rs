@@ -75,7 +75,7 @@ pub use error::ParamError;
 pub use model::{Dt, Model};
 pub use num::{Accum, Real};
 
-/// The example of the README, kept compiling.
+/// The example of this crate's README, kept compiling.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;
