@@ -5,6 +5,7 @@
 //! command. `cargo xtask math` is what mdBook calls for the book's equations.
 
 mod args;
+mod arrows;
 mod book;
 mod capi;
 mod compare;

@@ -26,6 +26,7 @@ pub struct Part {
 pub const PARTS: &[Part] = &[
     part("setup", "install what the other parts need", setup),
     part("format", "formatting is that of rustfmt", format),
+    part("arrows", "each module uses only those below it", crate::arrows::arrows),
     part("paths", "what documents link to and name is there", paths),
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
