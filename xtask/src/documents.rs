@@ -15,6 +15,20 @@ pub const BOOK: &str = "docs/src";
 const FOLDERS: &[&str] =
     &["", BOOK, "docs/src/models", "plant-core", "bms", "host-harness", "capi", "data/cycles"];
 
+/// The folders of the crates; those within another come with it.
+pub const CRATES: &[&str] = &[
+    "plant-core",
+    "bms",
+    "capi",
+    "host-harness",
+    "tests",
+    "xtask",
+    "fuzz",
+    "firmware-example",
+    "firmware-example/trace",
+    "firmware-example/bench",
+    "firmware-example/keep-all",
+];
 /// One document.
 pub struct Document {
     /// From the root of the workspace.
@@ -96,6 +110,28 @@ pub fn all() -> Result<Vec<Document>> {
     Ok(documents)
 }
 
+/// The comments of every Rust file, as documents.
+pub fn comments() -> Result<Vec<Document>> {
+    let mut documents = Vec::new();
+    for folder in CRATES.iter().filter(|folder| !folder.contains('/')) {
+        for path in sources(Path::new(folder))? {
+            let text = comments_of(&fs::read_to_string(firmware::root().join(&path))?);
+            documents.push(Document { path, text });
+        }
+    }
+    Ok(documents)
+}
+
+/// The lines of comments in a source, those apart from each other by an empty line.
+fn comments_of(source: &str) -> String {
+    let lines = source.lines().map(|line| {
+        let comment = line.trim_start().strip_prefix("//").unwrap_or("");
+        let comment = comment.strip_prefix(['/', '!']).unwrap_or(comment);
+        comment.strip_prefix(' ').unwrap_or(comment)
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 /// The files of a folder that end so, in alphabetical order; paths from the root of the workspace.
 fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>> {
     let place = firmware::root().join(folder);
@@ -160,6 +196,12 @@ mod tests {
             document.anchors(),
             ["what-a-replay-prints", "on-target-1-khz", "on-target-1-khz-1"]
         );
+    }
+
+    #[test]
+    fn the_comments_of_a_source_and_nothing_else() {
+        let source = "//! See `a`.\n//!\n//! Also.\nuse x; // not `b`\n    /// `c`\n    // `d`\n";
+        assert_eq!(comments_of(source), "See `a`.\n\nAlso.\n\n`c`\n`d`");
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod args;
 mod arrows;
 mod book;
 mod capi;
+mod citations;
 mod compare;
 mod counts;
 mod data;

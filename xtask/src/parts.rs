@@ -27,7 +27,7 @@ pub const PARTS: &[Part] = &[
     part("setup", "install what the other parts need", setup),
     part("format", "formatting is that of rustfmt", format),
     part("arrows", "each module uses only those below it", crate::arrows::arrows),
-    part("paths", "what documents link to and name is there", paths),
+    part("paths", "what documents link to, name and cite is there", paths),
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
     part("docs", "rustdoc and the book build without a warning", docs),
@@ -189,8 +189,11 @@ fn docs() -> Result<()> {
 }
 
 fn paths() -> Result<()> {
-    crate::links::check()?;
-    crate::paths::check()
+    let mut documents = crate::documents::all()?;
+    crate::links::check(&documents)?;
+    documents.extend(crate::documents::comments()?);
+    crate::paths::check(&documents)?;
+    crate::citations::check(&documents)
 }
 
 fn thumb() -> Result<()> {

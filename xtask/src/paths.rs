@@ -1,32 +1,17 @@
-//! Paths of the project that documents and module headers name: they are there.
+//! Paths of the project that documents and comments name: they are there.
 //!
 //! What counts as one is a code span like `plant-core/src/port.rs`: with a slash, and with a first
 //! folder that the project has or an ending that its files have. It may begin at the root of the
 //! workspace, in the folder of the document, or in a crate or its `src`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use pulldown_cmark::Event;
 
-use crate::documents::{self, Document};
+use crate::documents::{self, CRATES, Document};
 use crate::firmware;
 
-/// The folders of the crates; those within another come with it.
-const CRATES: &[&str] = &[
-    "plant-core",
-    "bms",
-    "capi",
-    "host-harness",
-    "tests",
-    "xtask",
-    "fuzz",
-    "firmware-example",
-    "firmware-example/trace",
-    "firmware-example/bench",
-    "firmware-example/keep-all",
-];
 /// The endings of files that are kept.
 const ENDINGS: &[&str] = &[
     "rs", "toml", "md", "csv", "svg", "h", "c", "mo", "py", "json", "yml", "sh", "txt", "x", "lock",
@@ -34,29 +19,16 @@ const ENDINGS: &[&str] = &[
 /// Made by the checks and not kept.
 const MADE: &[&str] = &["target/", "out/"];
 
-/// Fails where a document or the header of a module names a path that is not there.
-pub fn check() -> Result<()> {
-    let mut documents = documents::all()?;
-    for folder in CRATES.iter().filter(|folder| !folder.contains('/')) {
-        for path in documents::sources(Path::new(folder))? {
-            let text = header(&fs::read_to_string(firmware::root().join(&path))?);
-            documents.push(Document { path, text });
-        }
-    }
+/// Fails where one of the documents names a path that is not there.
+pub fn check(documents: &[Document]) -> Result<()> {
     let is_there = |path: &Path| firmware::root().join(path).exists();
     let missing: Vec<String> =
         documents.iter().flat_map(|document| missing(document, is_there)).collect();
     if missing.is_empty() {
-        println!("the paths that {} documents and headers name are there", documents.len());
+        println!("the paths that {} files name are there", documents.len());
         return Ok(());
     }
     bail!("paths that are not there:\n  {}", missing.join("\n  "))
-}
-
-/// What stands in the header of a Rust file.
-fn header(source: &str) -> String {
-    let lines = source.lines().filter_map(|line| line.trim_start().strip_prefix("//!"));
-    lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
 }
 
 /// The paths that a document names and that are not there.
@@ -142,11 +114,5 @@ mod tests {
         let text = "`m/s` `N·s/m` `f(x)/g` `target/book/x.md` `data/batteries/*.toml` `x.rs` \
                     `--cells DIR`\n\n```text\nplant-core/gone.rs\n```\n";
         assert!(found(text).is_empty(), "{:?}", found(text));
-    }
-
-    #[test]
-    fn the_header_of_a_module_and_nothing_else() {
-        let source = "//! See `a/b.rs`.\n//!\n//! Also.\nuse x; // `a/c.rs`\n/// `a/d.rs`\n";
-        assert_eq!(header(source), "See `a/b.rs`.\n\nAlso.");
     }
 }
