@@ -50,3 +50,8 @@ pub use estimate::power::PowerLimits;
 pub use estimate::soh::Health;
 pub use measure::{Measurements, Reading};
 pub use plant_core::{Accum, Dt, ParamError, Real};
+
+/// The example of this crate's README, kept compiling.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

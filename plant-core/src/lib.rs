@@ -85,7 +85,7 @@ pub use powertrain::{
     Feedback, Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams, PowertrainState,
 };
 
-/// The example of the README, kept compiling.
+/// The example of this crate's README, kept compiling.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;

@@ -44,3 +44,12 @@ pub fn real_files(folder: &str) -> Vec<PathBuf> {
     assert!(!files.is_empty(), "no .csv file in {}", folder.display());
     files
 }
+
+/// The examples of the documents, kept compiling.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../docs/src/start.md")]
+    struct Start;
+}

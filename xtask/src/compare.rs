@@ -92,7 +92,7 @@ pub fn table(ours: (f64, u64, u64), plugin: &Path) -> Result<String> {
         text,
         "\nC by `arm-none-eabi-gcc -O3 -mcpu=cortex-m4`, without fused multiply-add unless noted \
          (with it the bits differ from those of a PC), counted in the same run over UDDS \
-         ([compare]({FOLDER})). The semi-implicit C agrees with Voltstep to {} parts per billion in \
+         (`{FOLDER}`). The semi-implicit C agrees with Voltstep to {} parts per billion in \
          every step. Explicit Euler needs {euler_steps} steps per millisecond or diverges, even with \
          the battery's RC branch and the controller's smoothing taken as settled (as they are \
          they would need 2 ns); its state of charge is then up to {:.4} off, for want of compensated \

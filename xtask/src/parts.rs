@@ -27,9 +27,11 @@ pub struct Part {
 pub const PARTS: &[Part] = &[
     part("setup", "install what the other parts need", setup),
     part("format", "formatting is that of rustfmt", format),
+    part("arrows", "each module uses only those below it", crate::arrows::arrows),
+    part("paths", "what documents link to, name and cite is there", paths),
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
-    part("docs", "the documentation builds without a warning", docs),
+    part("docs", "rustdoc and the book build without a warning", docs),
     part("thumb", "what runs on target builds for Cortex-M4F and M0+, with each feature", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
     Part {
@@ -53,7 +55,11 @@ pub const PARTS: &[Part] = &[
         crate::capi::capi,
     ),
     part("counts", "what each step costs on target is no more than before", crate::counts::counts),
-    part("readme", "the README's figures are those of this code", crate::readme::readme),
+    part(
+        "generated",
+        "the figures in the documents are those of this code",
+        crate::generated::generated,
+    ),
 ];
 
 /// Parts that take long, need more tools or write files of the workspace; `test` leaves them out.
@@ -124,6 +130,7 @@ fn setup() -> Result<()> {
     for target in TARGETS {
         rustup("target", target)?;
     }
+    crate::book::setup()?;
     firmware::setup()
 }
 
@@ -184,7 +191,16 @@ fn docs() -> Result<()> {
     run(cargo()
         .args(["doc", "--workspace", "--no-deps", "--all-features"])
         .args(TWINS.iter().flat_map(|twin| ["--exclude", twin]))
-        .env("RUSTDOCFLAGS", "-D warnings"))
+        .env("RUSTDOCFLAGS", "-D warnings"))?;
+    crate::book::build()
+}
+
+fn paths() -> Result<()> {
+    let mut documents = crate::documents::all()?;
+    crate::links::check(&documents)?;
+    documents.extend(crate::documents::comments()?);
+    crate::paths::check(&documents)?;
+    crate::citations::check(&documents)
 }
 
 fn thumb() -> Result<()> {

@@ -1,7 +1,8 @@
-//! The parts of the README that a command prints, and its plot.
+//! What a command prints and a document shows, and the plot of the README.
 //!
-//! A block stands between `<!-- generated: ARGUMENTS -->` and `<!-- end -->`; it holds what
-//! `voltstep ARGUMENTS` prints, without the lines that differ from run to run.
+//! A block stands between `<!-- generated: ARGUMENTS -->` and `<!-- end -->`, in any of the
+//! documents; it holds what `voltstep ARGUMENTS` prints, without the lines that differ from run to
+//! run.
 
 use std::fs;
 use std::path::Path;
@@ -9,12 +10,13 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
+use crate::documents;
+use crate::firmware;
 use crate::metadata::Metadata;
 use crate::shell::{cargo, output};
 
-const README: &str = "README.md";
 /// The replay whose plot sheet the README shows, and where it is kept.
-const PLOT: (&str, &str) = ("replay udds", "docs/udds.svg");
+const PLOT: (&str, &str) = ("replay udds", "docs/src/udds.svg");
 /// The block that holds the accuracy table, and the cases of `voltstep validate` that it shows.
 const ACCURACY: &str = "validate --json";
 const CASES: &[&str] = &[
@@ -31,47 +33,49 @@ const BATTERIES: (&str, [&str; 2]) =
 const BEGIN: &str = "<!-- generated: ";
 const END: &str = "<!-- end -->";
 
-/// Brings README and plot up to date; fails where they were not, so that a stale figure cannot
-/// pass unseen.
-pub fn readme() -> Result<()> {
-    let folder = Metadata::load()?.target_directory()?.join("xtask-readme");
-    let old = fs::read_to_string(README).context("cannot read the README")?;
-    let new = filled(&old, |arguments| {
-        if arguments == ACCURACY {
-            // Without the real measurements, so that it is the same for everybody.
-            let mut command = cargo();
-            command.args(["run", "--quiet", "--release", "--", "validate", "--json"]);
-            let json = output(command.env_remove(crate::data::VARIABLE))?;
-            return accuracy(&json);
+/// Brings blocks and plot up to date; fails where they were not, so that a stale figure cannot pass
+/// unseen.
+pub fn generated() -> Result<()> {
+    let folder = Metadata::load()?.target_directory()?.join("xtask-generated");
+    let mut stale = Vec::new();
+    for document in documents::all()? {
+        let new = filled(&document.text, |arguments| block(arguments, &folder))
+            .with_context(|| document.path.display().to_string())?;
+        if document.replace(&new)? {
+            stale.push(document.path.display().to_string());
         }
-        if arguments == BATTERIES.0 {
-            return held_out();
-        }
-        let out = folder.join(arguments.replace(['/', ' ', '.'], "-"));
-        let printed = voltstep(arguments, &out)?;
-        if arguments == PLOT.0 {
-            let plot = fs::read_to_string(out.join("report.svg"))?;
-            replace(Path::new(PLOT.1), &plot)?;
-        }
-        Ok(printed)
-    })?;
-    replace(Path::new(README), &new)?;
+    }
+    let plot = folder.join(folder_name(PLOT.0)).join("report.svg");
+    let plot = fs::read_to_string(plot).context("no document shows the replay of the plot")?;
+    if fs::read_to_string(firmware::root().join(PLOT.1)).ok().as_ref() != Some(&plot) {
+        fs::write(firmware::root().join(PLOT.1), plot)?;
+        stale.push(PLOT.1.to_owned());
+    }
     ensure!(
-        new == old,
-        "the README was out of date; it is brought up to date now: look at it and commit it"
+        stale.is_empty(),
+        "out of date: {}; brought up to date now: look at it and commit it",
+        stale.join(", ")
     );
     Ok(())
 }
 
-/// Writes a file if its content differs.
-fn replace(path: &Path, content: &str) -> Result<()> {
-    if fs::read_to_string(path).is_ok_and(|old| old == content) {
-        return Ok(());
+/// What stands in a block.
+fn block(arguments: &str, folder: &Path) -> Result<String> {
+    match arguments {
+        ACCURACY => {
+            // Without the real measurements, so that it is the same for everybody.
+            let mut command = cargo();
+            command.args(["run", "--quiet", "--release", "--", "validate", "--json"]);
+            accuracy(&output(command.env_remove(crate::data::VARIABLE))?)
+        }
+        _ if arguments == BATTERIES.0 => held_out(),
+        _ => voltstep(arguments, &folder.join(folder_name(arguments))),
     }
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    fs::write(path, content).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A folder for what a command writes.
+fn folder_name(arguments: &str) -> String {
+    arguments.replace(['/', ' ', '.'], "-")
 }
 
 fn voltstep(arguments: &str, out: &Path) -> Result<String> {
