@@ -167,7 +167,7 @@ fn the_filter_on_trips_that_start_wrong() {
         return;
     }
     for error in [TRIP_START, -TRIP_START] {
-        let case = Case::wrong(error, 0.0).unwrap();
+        let case = Case::wrong(error, 0.0);
         let runs = runs(&trips, Estimator::Ekf, &[case]);
         let long: Vec<&EstimatorRun> =
             runs.iter().filter(|run| run.soc_span >= TRIP_SPAN).collect();
