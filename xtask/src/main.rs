@@ -9,6 +9,7 @@ mod capi;
 mod compare;
 mod counts;
 mod data;
+mod examples;
 mod firmware;
 mod image;
 mod metadata;
