@@ -13,9 +13,11 @@ use plant_core::{Dt, ParamError, Real};
 use super::OUTLIER_SDS;
 use crate::Estimate;
 
-/// Capacities outside this share of the nominal one are not believed.
+/// Capacities outside this share of the nominal one are not believed. Chosen: a battery is worn out
+/// long before.
 const SMALLEST_RATIO: Real = 0.2;
-/// Capacities outside this share of the nominal one are not believed.
+/// Capacities outside this share of the nominal one are not believed. Chosen: more is a wrong
+/// nominal value.
 const LARGEST_RATIO: Real = 2.0;
 /// Newton steps and bisections; 24 bisections alone leave less than a millionth.
 const ROUNDS: u32 = 24;
