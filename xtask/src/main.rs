@@ -13,6 +13,7 @@ mod compare;
 mod counts;
 mod data;
 mod documents;
+mod examples;
 mod firmware;
 mod generate;
 mod generated;

@@ -31,6 +31,7 @@ pub const PARTS: &[Part] = &[
     part("paths", "what documents link to, name and cite is there", paths),
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
+    part("examples", "each example runs and shows what it asserts", crate::examples::examples),
     part("docs", "rustdoc and the book build without a warning", docs),
     part("thumb", "what runs on target builds for Cortex-M4F and M0+, with each feature", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),

@@ -5,6 +5,8 @@
 //! 655 W·h. What does not fit is an error, never a value cut short: a 400 V pack has a state of charge and times
 //! here, and no voltage. Charging current is positive in the specification; here it is turned
 //! around.
+//!
+//! Tests: `tests` below.
 
 mod snapshot;
 

@@ -13,9 +13,9 @@ use plant_core::{Accum, Dt, ParamError, Real};
 
 use crate::{Estimate, Health};
 
-/// Seconds of the rolling average of current and power.
+/// Seconds of the rolling average of current and power: the minute of \[SmartBattery1998\].
 const AVERAGE_S: Real = 60.0;
-/// Halvings of the usable window: down to a thousandth of a per cent.
+/// Halvings of the usable window: down to a thousandth of a per cent (`2⁻¹⁶`).
 const HALVINGS: u32 = 16;
 
 /// Parameters of an [`EnergyGauge`]: what counts as empty and as full.

@@ -8,6 +8,9 @@
 //! A slot is [`LENGTH`] bytes, little-endian: `"VS"`, version, flags, sequence number, nine
 //! single-precision numbers in the order of [`Record`]'s fields, the time, twelve bytes of zero,
 //! and the CRC-32C of all that.
+//!
+//! The layout is ours. Tests: `tests` below; on a simulated flash memory in
+//! `tests/tests/bms_pack/record.rs`.
 
 use crc::{CRC_32_ISCSI, Crc, NoTable};
 use plant_core::error::{check, not_negative, positive, ratio};

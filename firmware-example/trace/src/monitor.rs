@@ -134,7 +134,7 @@ impl Monitor {
 }
 
 impl MonitorState {
-    /// The next of a sequence that looks random, in −1..1: xorshift (Marsaglia 2003).
+    /// The next of a sequence that looks random, in −1..1: xorshift (Marsaglia2003).
     fn draw(&mut self) -> f32 {
         self.noise ^= self.noise << 13;
         self.noise ^= self.noise >> 17;

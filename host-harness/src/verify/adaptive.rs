@@ -1,6 +1,6 @@
 //! An adaptive solver in double precision, for what the fixed step is measured against: the method
-//! of Dormand and Prince of order 5 with its error estimate and interpolant (Hairer, Nørsett,
-//! Wanner, *Solving Ordinary Differential Equations I*, section II.6).
+//! of Dormand and Prince of order 5 (`DormandPrince1980`) with its error estimate and interpolant
+//! (Hairer1993, section II.6).
 //!
 //! It restarts at each kink of the input and stops where a system changes its mode (standstill,
 //! saturation). It is our own because no crate did: `diffsol` brings a whole linear algebra library

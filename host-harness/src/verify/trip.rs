@@ -1,5 +1,5 @@
-//! Closed loop along a trip (`EPowertrain2025`, sections 5.4 and 5.5): the synthetic one that is part of the
-//! project, and `TripA01` where `VOLTSTEP_DATA` says it is.
+//! Closed loop along a trip (`EPowertrain2025`, sections 5.4 and 5.5): the synthetic one that is part
+//! of the project, and `TripA01` where `VOLTSTEP_DATA` says it is.
 
 use std::path::Path;
 

@@ -76,12 +76,17 @@ use crate::Estimate;
 use correction::Correction;
 
 /// A correction of the state of charge beyond this is made with the curve's mean slope over it.
+/// Chosen: a table's point and a half. Measured (as `slow` says): 0.80 % and 1.90 %, 0.81 % and
+/// 1.89 %.
 const LARGE_CORRECTION: Real = 0.02;
-/// Slopes that are tried for it.
+/// Slopes that are tried for it. Chosen: each brings the correction nearer; a bound on the cost.
 const CORRECTIONS: u32 = 3;
-/// A residual beyond this many standard deviations is no measurement.
+/// A residual beyond this many standard deviations is no measurement. Chosen: noise alone goes there
+/// once in 5e8 samples. Measured: 0.81 % and 1.89 %, 0.82 % and 1.89 %.
 const OUTLIER: Real = 6.0;
-/// The most that the model's error, and what is left of it, may be in standard deviations.
+/// The most that the model's error, and what is left of it, may be in standard deviations. Chosen:
+/// 0.3 % of what is normally distributed lies beyond. Measured: 0.86 % and 1.97 % (half of it leaves
+/// flat parts too early), 0.81 % and 1.89 %.
 const CONSISTENT: Real = 3.0;
 
 /// A Kalman filter for the state of charge, discretised for one step.

@@ -13,12 +13,13 @@ use plant_core::{Accum, Dt, ParamError, Real};
 use super::OUTLIER_SDS;
 use crate::Estimate;
 
-/// Factors outside are not believed.
+/// Factors outside are not believed. Chosen: less is a wrong parameter set.
 const SMALLEST_FACTOR: Real = 0.2;
-/// Factors outside are not believed.
+/// Factors outside are not believed. Chosen: more is a bad contact, not age.
 const LARGEST_FACTOR: Real = 10.0;
 
-/// A single residual's square over what was expected counts up to this.
+/// A single residual's square over what was expected counts up to this. Chosen:
+/// 32 standard deviations; with 3 the factor seems known where the readings are worse than promised.
 const MOST_MISFIT: Real = 1000.0;
 
 /// Parameters of a [`ResistanceEstimator`]: how good the readings are, and how it learns from

@@ -231,7 +231,7 @@ impl<'a> Noise<'a> {
         )
     }
 
-    /// A draw of the normal distribution (Box and Muller 1958).
+    /// A draw of the normal distribution (`BoxMuller1958`).
     fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.random.f64()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.random.f64()).cos()
