@@ -130,8 +130,8 @@ impl<'de> Visitor<'de> for BatteryVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<BatteryField, A::Error> {
-        BatteryParams::deserialize(MapAccessDeserializer::new(table))
-            .map(|battery| BatteryField::Inline(Box::new(battery)))
+        let battery = BatteryParams::deserialize(MapAccessDeserializer::new(table))?;
+        Ok(BatteryField::Inline(Box::new(battery)))
     }
 }
 
