@@ -78,7 +78,8 @@ fn look(folder: &Path, fetched: &mut Vec<String>) -> Result<()> {
 }
 
 fn is_elsewhere(address: &str) -> bool {
-    address.starts_with("//") || address.contains("://")
+    let within = address.starts_with("data:");
+    address.starts_with("//") || (address.contains("://") && !within)
 }
 
 fn elsewhere_in_html(text: &str) -> Vec<String> {
@@ -132,6 +133,8 @@ mod tests {
         let page = "<a href=\"https://doi.org/10.1/x\">x</a> <script src=\"book.js\"></script> \
                     <svg xmlns=\"http://www.w3.org/2000/svg\"><image href=\"a.png\"/></svg>";
         assert!(elsewhere_in_html(page).is_empty());
-        assert!(elsewhere_in_css("a { src: url(\"fonts/x.woff2\"); }").is_empty());
+        let style = "a { src: url(\"fonts/x.woff2\"); mask: url('data:image/svg+xml,<svg \
+                     xmlns=\"http://www.w3.org/2000/svg\"/>'); }";
+        assert!(elsewhere_in_css(style).is_empty());
     }
 }

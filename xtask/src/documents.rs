@@ -12,8 +12,17 @@ use crate::firmware;
 pub const BOOK: &str = "docs/src";
 /// The folders whose Markdown files are documents: the one list for generated figures, links and
 /// paths.
-const FOLDERS: &[&str] =
-    &["", BOOK, "docs/src/models", "plant-core", "bms", "host-harness", "capi", "data/cycles"];
+const FOLDERS: &[&str] = &[
+    "",
+    BOOK,
+    "docs/src/models",
+    "plant-core",
+    "bms",
+    "host-harness",
+    "capi",
+    "firmware-example",
+    "data/cycles",
+];
 
 /// The folders of the crates; those within another come with it.
 pub const CRATES: &[&str] = &[

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::io::{Read, Write};
 
 use anyhow::{Context, Result, bail};
-use pulldown_cmark::Event;
+use pulldown_cmark::{Event, Tag, TagEnd};
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 use serde_json::Value;
@@ -57,12 +57,16 @@ fn render(part: &mut Value) -> Result<()> {
 /// Markdown with its equations as `MathML`.
 fn with_mathml(text: &str) -> Result<String> {
     let mut new = String::new();
-    let mut done = 0;
+    let (mut done, mut is_code) = (0, false);
     for (event, range) in documents::events(text).into_offset_iter() {
         let (tex, display_mode) = match &event {
             Event::InlineMath(tex) => (tex, DisplayMode::Inline),
             Event::DisplayMath(tex) => (tex, DisplayMode::Block),
-            Event::Text(words) if words.contains('$') => {
+            Event::Start(Tag::CodeBlock(_)) | Event::End(TagEnd::CodeBlock) => {
+                is_code = !is_code;
+                continue;
+            }
+            Event::Text(words) if !is_code && words.contains('$') => {
                 bail!("an equation that Markdown does not see as one: {words}");
             }
             _ => continue,
