@@ -51,7 +51,7 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 const CELLS: usize = 18;
 const SENSORS: usize = 4;
 type CellsState = cells::CellsState<CELLS>;
-type Measurements = measurement::Measurements<CELLS, SENSORS>;
+type Measurements = measure::Measurements<CELLS, SENSORS>;
 type RecordStore = record::RecordStore<flash::Flash>;
 
 /// Keeps functions that the linker would drop.
