@@ -5,8 +5,10 @@
 //! command.
 
 mod args;
+mod board;
 mod capi;
 mod compare;
+mod counted;
 mod counts;
 mod data;
 mod firmware;
@@ -14,6 +16,7 @@ mod image;
 mod metadata;
 mod mutants;
 mod parts;
+mod qemu;
 mod readme;
 mod report;
 mod shell;

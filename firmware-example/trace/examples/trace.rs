@@ -28,23 +28,12 @@ fn print(rig: &Rig<NoLedger>, monitor: &Monitor, wanted: Option<u32>) {
         let step = run.steps();
         let frame = run.step(rig, monitor);
         if wanted == Some(block) {
-            println!("frame {step} {:08x?}", frame.0);
+            println!("{}", frame.line(step));
         }
         if let Some(completed) = run.block_completed() {
-            println!("block {completed} {:016x} {:016x}", run.hash(), run.estimators_hash());
+            println!("{}", run.block());
             block = completed + 1;
         }
     }
-    let believed = monitor.ekf.estimate(&run.monitor.ekf);
-    println!(
-        "result hash {:016x} {:016x} soc {} distance_m {} rejected {} ekf {} ± {} counted {}",
-        run.hash(),
-        run.estimators_hash(),
-        run.state.plant.battery.soc.get(),
-        run.state.plant.body.distance_m.get(),
-        run.rejected(),
-        believed.soc,
-        believed.soc_sd,
-        monitor.counter.soc(&run.monitor.counter)
-    );
+    println!("{}", run.result(monitor));
 }

@@ -5,11 +5,13 @@
 
 mod hash;
 mod monitor;
+mod overruns;
 mod rig;
 mod run;
 
 pub use hash::Fnv1a;
 pub use monitor::{Monitor, MonitorState};
+pub use overruns::Overruns;
 pub use rig::{Frame, Rig, RigState};
 pub use run::Run;
 

@@ -1,5 +1,7 @@
 //! A vehicle with its driver in a closed loop.
 
+use core::fmt::{Display, from_fn};
+
 use plant_core::control::driver::{Driver, DriverInput, DriverState};
 use plant_core::powertrain::Feedback;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
@@ -163,6 +165,12 @@ impl Frame {
             *place = word;
         }
         Self(frame)
+    }
+
+    /// The words after a step, in a line.
+    #[must_use]
+    pub fn line(&self, step: u32) -> impl Display {
+        from_fn(move |f| write!(f, "frame {step} {:08x?}", self.0))
     }
 }
 
