@@ -9,13 +9,11 @@ pub struct Overruns {
 }
 
 impl Overruns {
-    /// A step is over; `tick_pending` says whether the timer has ticked since the step began. Gives
-    /// back whether the step was late.
-    pub const fn step_ended(&mut self, tick_pending: bool) -> bool {
+    /// A step is over; `tick_pending` says whether the timer has ticked since the step began.
+    pub const fn step_ended(&mut self, tick_pending: bool) {
         if tick_pending {
             self.count = self.count.saturating_add(1);
         }
-        tick_pending
     }
 
     /// How many steps were late.
@@ -61,7 +59,7 @@ mod tests {
     #[test]
     fn the_count_does_not_wrap() {
         let mut overruns = Overruns { count: u32::MAX };
-        assert!(overruns.step_ended(true));
+        overruns.step_ended(true);
         assert_eq!(overruns.count(), u32::MAX);
     }
 }
