@@ -10,6 +10,7 @@ use anyhow::{Context, Result, ensure};
 use crate::firmware::{TARGET, root};
 use crate::image::is_panic;
 use crate::metadata::Metadata;
+use crate::qemu::{self, MPS2_AN386};
 use crate::shell::{cargo, output, program, run};
 
 const CRATE: &str = "capi";
@@ -130,18 +131,7 @@ fn on_target(folder: &Path) -> Result<String> {
     let symbols = output(program("arm-none-eabi-nm").arg("-C").arg(&elf))?;
     let panics: Vec<_> = symbols.lines().filter(|line| is_panic(line)).collect();
     ensure!(panics.is_empty(), "the example links a panic: {panics:?}");
-    qemu(&elf, &[])
-}
-
-/// Runs an image in QEMU.
-pub fn qemu(elf: &Path, more: &[String]) -> Result<String> {
-    output(
-        program("timeout")
-            .args(["300", "qemu-system-arm", "-cpu", "cortex-m4", "-machine", "mps2-an386"])
-            .args(["-nographic", "-semihosting-config", "enable=on,target=native", "-kernel"])
-            .arg(elf)
-            .args(more),
-    )
+    qemu::run(MPS2_AN386, &elf, &[""; 0])
 }
 
 /// A program said `NAME hash HASH` of each vehicle as the golden file does.

@@ -6,10 +6,12 @@
 
 mod args;
 mod arrows;
+mod board;
 mod book;
 mod capi;
 mod citations;
 mod compare;
+mod counted;
 mod counts;
 mod data;
 mod documents;
@@ -24,6 +26,7 @@ mod metadata;
 mod mutants;
 mod parts;
 mod paths;
+mod qemu;
 mod report;
 mod shell;
 

@@ -51,7 +51,7 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 const CELLS: usize = 18;
 const SENSORS: usize = 4;
 type CellsState = cells::CellsState<CELLS>;
-type Measurements = measurement::Measurements<CELLS, SENSORS>;
+type Measurements = measure::Measurements<CELLS, SENSORS>;
 type RecordStore = record::RecordStore<flash::Flash>;
 
 /// Keeps functions that the linker would drop.
@@ -106,7 +106,7 @@ fn components() {
 #[rustfmt::skip]
 fn drive() {
     keep!(
-        Driver::new, Driver::step, TorqueDriver::new, TorqueDriver::step,
+        Driver::new::<BatteryParams>, Driver::step, TorqueDriver::new::<BatteryParams>, TorqueDriver::step,
         PidState::integral, PidState::output, PidState::reset,
         Pid::new, Pid::preload, Pid::feed_back, Pid::saturate, Pid::step,
         Plain::new, Powertrain::with_ledger, Ledgered::energy, WithBattery::with_battery::<MappedBatteryParams>,

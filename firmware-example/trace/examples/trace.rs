@@ -36,23 +36,12 @@ where
         let step = run.steps();
         let frame = run.step(rig, monitor);
         if wanted == Some(block) {
-            println!("frame {step} {:08x?}", frame.words());
+            println!("{}", frame.line(step));
         }
         if let Some(completed) = run.block_completed() {
-            println!("block {completed} {:016x} {:016x}", run.hash(), run.estimators_hash());
+            println!("{}", run.block());
             block = completed + 1;
         }
     }
-    let believed = monitor.ekf.estimate(&run.monitor.ekf);
-    println!(
-        "result hash {:016x} {:016x} soc {} distance_m {} rejected {} ekf {} ± {} counted {}",
-        run.hash(),
-        run.estimators_hash(),
-        B::soc(&run.state.plant.battery),
-        run.state.plant.body.distance_m.get(),
-        run.rejected(),
-        believed.soc,
-        believed.soc_sd,
-        monitor.counter.soc(&run.monitor.counter)
-    );
+    println!("{}", run.result(monitor));
 }

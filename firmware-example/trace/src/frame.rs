@@ -1,5 +1,7 @@
 //! What a step leaves behind, as words: the same on any machine.
 
+use core::fmt::{Display, from_fn};
+
 use plant_core::Accum;
 use plant_core::battery::{BatteryState, MappedBatteryState};
 use voltstep_bms::estimate::ekf::EkfState;
@@ -19,12 +21,18 @@ pub struct Frame {
 pub trait Words {
     /// What they are. `lost` is what a compensated sum holds back.
     const FIELDS: &'static [&'static str];
+    /// State of charge, 0..1.
+    fn soc(&self) -> f32;
     /// Puts them there.
     fn put(&self, frame: &mut Frame);
 }
 
 impl Words for BatteryState {
     const FIELDS: &'static [&'static str] = &["soc", "soc.lost", "rc_v", "rc_v.lost"];
+
+    fn soc(&self) -> f32 {
+        self.soc.get()
+    }
 
     fn put(&self, frame: &mut Frame) {
         frame.put_sum(self.soc);
@@ -45,6 +53,10 @@ impl Words for MappedBatteryState {
         "temperature_c",
         "temperature_c.lost",
     ];
+
+    fn soc(&self) -> f32 {
+        self.soc.get()
+    }
 
     fn put(&self, frame: &mut Frame) {
         let [fast_v, slow_v] = self.polarisation_v;
@@ -129,6 +141,12 @@ impl Frame {
     #[must_use]
     pub fn parts(&self) -> (&[u32], &[u32]) {
         self.words().split_at_checked(self.plant).unwrap_or_default()
+    }
+
+    /// The words after a step, in a line.
+    #[must_use]
+    pub fn line(&self, step: u32) -> impl Display {
+        from_fn(move |f| write!(f, "frame {step} {:08x?}", self.words()))
     }
 
     fn put(&mut self, value: f32) {

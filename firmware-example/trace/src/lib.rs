@@ -6,12 +6,14 @@
 mod frame;
 mod hash;
 mod monitor;
+mod overruns;
 mod rig;
 mod run;
 
 pub use frame::{Frame, Words};
 pub use hash::Fnv1a;
 pub use monitor::{Monitor, MonitorState};
+pub use overruns::Overruns;
 pub use rig::{Rig, RigState};
 pub use run::Run;
 

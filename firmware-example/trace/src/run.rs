@@ -1,5 +1,7 @@
 //! A vehicle on its way along the cycle.
 
+use core::fmt::{Display, from_fn};
+
 use plant_core::ParamError;
 use plant_core::battery::{BatteryState, Pack};
 use plant_core::powertrain::ledger::Book;
@@ -92,5 +94,35 @@ impl<L: Book, S: Words> Run<L, S> {
     #[must_use]
     pub const fn rejected(&self) -> bool {
         self.rejected
+    }
+
+    /// The block of the last step and both hashes so far, in a line.
+    #[must_use]
+    pub fn block(&self) -> impl Display {
+        from_fn(|f| {
+            let block = self.steps.saturating_sub(1) / STEPS_PER_BLOCK;
+            write!(f, "block {block} {:016x} {:016x}", self.hash(), self.estimators_hash())
+        })
+    }
+
+    /// Both hashes, where the plant is, and what its estimators believe, in a line.
+    #[must_use]
+    pub fn result(&self, monitor: &Monitor) -> impl Display {
+        from_fn(|f| {
+            let plant = &self.state.plant;
+            let believed = monitor.ekf.estimate(&self.monitor.ekf);
+            write!(
+                f,
+                "result hash {:016x} {:016x} soc {} distance_m {} rejected {} ekf {} ± {} counted {}",
+                self.hash(),
+                self.estimators_hash(),
+                plant.battery.soc(),
+                plant.body.distance_m.get(),
+                self.rejected,
+                believed.soc,
+                believed.soc_sd,
+                monitor.counter.soc(&self.monitor.counter)
+            )
+        })
     }
 }

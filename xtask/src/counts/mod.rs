@@ -19,7 +19,6 @@ mod pids;
 mod small;
 mod table;
 
-pub use measure::{Counted, parse_counts, section_bytes};
 use measure::{M0, M4F, parse_item, plugin};
 use table::{publish, table, times};
 
@@ -167,13 +166,6 @@ pub fn counts() -> Result<()> {
 
 fn missing(name: &str) -> String {
     format!("`{name}` was not measured")
-}
-
-/// The rest of the line that begins with these words, in what a program said.
-fn line<'a>(said: &'a str, words: &str) -> Result<&'a str> {
-    said.lines()
-        .find_map(|line| line.strip_prefix(words)?.strip_prefix(' '))
-        .with_context(|| format!("the image says nothing of `{words}`"))
 }
 
 /// Each plant went through everything that UDDS does not come to, and stack that is used is seen.
