@@ -33,7 +33,8 @@
 //! # Conventions
 //! Those of `plant-core`: SI units named in each field, discharge current positive, ratios in 0..1,
 //! temperatures in °C. A standard deviation carries the name of what it belongs to and the ending
-//! `_sd`.
+//! `_sd`. A module's header gives its equations and their source (a key of `docs/src/references.md`
+//! in brackets, or that it is ours) and ends with where its tests are.
 
 pub mod comm;
 pub mod estimate;
@@ -41,5 +42,16 @@ pub mod measure;
 pub mod store;
 
 pub use estimate::Estimate;
+pub use estimate::cells::{Cells, CellsInput, CellsParams, CellsState};
+pub use estimate::coulomb::{CoulombCounter, CoulombInput, CoulombParams, CoulombState};
+pub use estimate::ekf::{Ekf, EkfInput, EkfOutput, EkfParams, EkfState};
+pub use estimate::energy::EnergyGauge;
+pub use estimate::power::PowerLimits;
 pub use estimate::soh::Health;
+pub use measure::{Measurements, Reading};
 pub use plant_core::{Accum, Dt, ParamError, Real};
+
+/// The example of this crate's README, kept compiling.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -9,6 +9,8 @@
 
 #include <stddef.h>
 
+#include "sum.h"
+
 /* Time in s, speed in m/s; made from data/cycles/udds.csv. */
 #include "udds.h"
 
@@ -17,16 +19,8 @@ enum { CYCLE_POINTS = sizeof UDDS / sizeof UDDS[0], CYCLE_STEPS = (CYCLE_POINTS 
 
 typedef struct {
     size_t segment;
-    float elapsed_s, lost_s;
+    Sum elapsed_s;
 } Cycle;
-
-static inline void cycle_add(Cycle *cycle, float increment)
-{
-    float wanted = increment - cycle->lost_s;
-    float sum = cycle->elapsed_s + wanted;
-    cycle->lost_s = (sum - cycle->elapsed_s) - wanted;
-    cycle->elapsed_s = sum;
-}
 
 /* The speed now in m/s, and how fast it changes in m/s^2; then time moves on. */
 static inline void cycle_step(Cycle *cycle, float *speed, float *rate)
@@ -39,13 +33,13 @@ static inline void cycle_step(Cycle *cycle, float *speed, float *rate)
     const float *from = UDDS[cycle->segment], *to = UDDS[cycle->segment + 1];
     float length_s = to[0] - from[0];
     *rate = (to[1] - from[1]) / length_s;
-    *speed = from[1] + *rate * cycle->elapsed_s;
-    cycle_add(cycle, CYCLE_DT_S);
-    if ((cycle->elapsed_s - length_s) - cycle->lost_s >= 0.0f) {
-        float kept_s = 0.0f - cycle->lost_s;
-        cycle->lost_s = 0.0f;
-        cycle_add(cycle, -length_s);
-        cycle_add(cycle, kept_s);
+    *speed = from[1] + *rate * cycle->elapsed_s.value;
+    add(&cycle->elapsed_s, CYCLE_DT_S);
+    if ((cycle->elapsed_s.value - length_s) - cycle->elapsed_s.lost >= 0.0f) {
+        float kept_s = 0.0f - cycle->elapsed_s.lost;
+        cycle->elapsed_s.lost = 0.0f;
+        add(&cycle->elapsed_s, -length_s);
+        add(&cycle->elapsed_s, kept_s);
         cycle->segment++;
     }
 }

@@ -1,4 +1,4 @@
-model Udds "Vehicle of EPowertrain (2025), section 5.4, over one straight piece of the reference"
+model Udds "Vehicle of EPowertrain (2025), section 5.3, over one straight piece of the reference"
   parameter Real K = 1.4 "Ke = Kt";
   parameter Real R = 0.025 "Ohm";
   parameter Real L = 1e-3 "H";

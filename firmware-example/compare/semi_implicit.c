@@ -38,14 +38,6 @@ typedef struct {
     Slip slip;
 } Solution;
 
-static inline void add(Sum *sum, float increment)
-{
-    float wanted = increment - sum->lost;
-    float value = sum->value + wanted;
-    sum->lost = (value - sum->value) - wanted;
-    sum->value = value;
-}
-
 static inline float magnitude(float x)
 {
     return __builtin_fabsf(x);

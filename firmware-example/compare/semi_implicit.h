@@ -4,10 +4,7 @@
 
 #include <stdint.h>
 
-/* A compensated sum (Kahan). */
-typedef struct {
-    float value, lost;
-} Sum;
+#include "sum.h"
 
 typedef struct {
     Sum integral, output;

@@ -1,7 +1,9 @@
 //! Voltstep on a PC: replays driving cycles and real trips through the plant of `plant-core`.
 //!
 //! # Map
-//! Each module uses only those above it; `show` reads results only.
+//! Each module uses only those above it; [`identify`], [`evaluate`] and [`verify`] do not use each
+//! other. `show` and `cli` are behind the default feature `command`: without it the rest needs no
+//! crate for a command line, tables or plots.
 //!
 //! | Module | What it does |
 //! |---|---|
@@ -10,15 +12,17 @@
 //! | [`identify`] | a battery's parameters from measurements |
 //! | [`evaluate`] | models and estimators against a folder of real measurements |
 //! | [`verify`] | every published experiment and an independent solution, against ours |
-//! | `show` | tables, the plot sheet, files that appear whole or not at all |
-//! | [`cli`] | the command line of `voltstep` |
+//! | `show` | results as tables, JSON, plot sheet and files that appear whole or not at all |
+//! | `cli` | the command line of `voltstep` |
 
 #![cfg_attr(test, allow(clippy::cast_precision_loss))]
 
+#[cfg(feature = "command")]
 pub mod cli;
 pub mod evaluate;
 pub mod identify;
 pub mod read;
+#[cfg(feature = "command")]
 mod show;
 pub mod simulate;
 pub mod verify;

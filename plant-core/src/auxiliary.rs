@@ -1,10 +1,18 @@
 //! Auxiliary load: what else draws from the battery.
+//!
+//! `I = P/V + V/R`: a constant power, a resistor, or both. The constant power is drawn as a current
+//! at the last known voltage and booked as delivered; the resistor is part of the step's equation.
+//! The resistor is the load of the reference system's trip \[EPowertrain2025, Table 5.6\]; the
+//! constant power with its cut-out is ours.
+//!
+//! Tests: below; properties `finite`, `ledger`, `limits`, `passivity`, `refusal`; case "gearbox,
+//! wheel, auxiliary load".
 
 use crate::error::{ParamError, check, limit, not_negative};
 use crate::model::impl_model;
 use crate::num::{Real, sane};
 
-/// What is known about the auxiliary loads.
+/// Parameters of the auxiliary loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -16,8 +24,10 @@ pub struct AuxiliaryParams {
     /// Constant power \[W\], ≥ 0.
     pub power_w: Real,
     /// Resistor across the battery \[Ω\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub resistance_ohm: Real,
     /// Below this voltage the constant power is cut out \[V\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub cut_out_v: Real,
 }
 
@@ -34,8 +44,16 @@ impl AuxiliaryParams {
 
 /// A load of constant power, a resistor, or both.
 ///
-/// Constant power is drawn as the current `P/V` at the last known voltage and booked as
-/// delivered; a resistor is part of the step's equation.
+/// ```
+/// use plant_core::auxiliary::{Auxiliary, AuxiliaryInput, AuxiliaryParams};
+/// use plant_core::must;
+///
+/// const HEATER: Auxiliary =
+///     must!(Auxiliary::new(AuxiliaryParams { power_w: 1000.0, ..AuxiliaryParams::NONE }));
+///
+/// let out = HEATER.step(&mut (), AuxiliaryInput { voltage_v: 400.0, power_w: 0.0 });
+/// assert_eq!(out.current_a, 2.5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Auxiliary {
     power_w: Real,
@@ -43,7 +61,7 @@ pub struct Auxiliary {
     cut_out_v: Real,
 }
 
-/// What drives an [`Auxiliary`] that steps on its own.
+/// Input of an [`Auxiliary`] that steps on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AuxiliaryInput {
     /// Voltage across it \[V\].
@@ -52,7 +70,7 @@ pub struct AuxiliaryInput {
     pub power_w: Real,
 }
 
-/// What an [`Auxiliary`] says.
+/// Output of an [`Auxiliary`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AuxiliaryOutput {

@@ -40,11 +40,14 @@
 //!   input that is not finite, or larger than [`num::LARGEST`], leaves the state as it was and is
 //!   reported as `rejected` in the output.
 //! - One step goes from instant n to n + 1. Outputs hold at n + 1.
+//! - A component's header gives its equation and its source: a key in brackets is one of the book's
+//!   list of references (`docs/src/references.md`), what is ours says so. It ends with where its
+//!   tests are: `properties` lie in `tests/tests/properties`, cases are those of `voltstep
+//!   validate`.
 //!
 //! # Example
 //! ```
-//! use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
-//! use plant_core::{Dt, must, presets};
+//! use plant_core::{DcMotor, DcMotorInput, DcMotorState, Dt, must, presets};
 //!
 //! const DT: Dt = must!(Dt::from_s(0.001));
 //! const MOTOR: DcMotor = must!(DcMotor::new(presets::MOTOR_PASEK, DT));
@@ -71,11 +74,18 @@ pub mod powertrain;
 pub mod presets;
 pub mod signal;
 
+pub use battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams};
+pub use control::driver::{Driver, DriverInput, DriverOutput, DriverParams, DriverState};
+pub use control::pid::{Pid, PidInput, PidOutput, PidParams, PidState};
 pub use error::ParamError;
+pub use machine::dc::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorParams, DcMotorState};
 pub use model::{Dt, Model};
 pub use num::{Accum, Real};
+pub use powertrain::{
+    Feedback, Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams, PowertrainState,
+};
 
-/// The example of the README, kept compiling.
+/// The example of this crate's README, kept compiling.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;

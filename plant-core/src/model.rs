@@ -11,9 +11,9 @@ use crate::num::Real;
 pub trait Model {
     /// What the model remembers: small and `Copy`, so a snapshot or a what-if run is a copy.
     type State: Copy;
-    /// What drives the step.
+    /// What comes in with each step.
     type Input: Copy;
-    /// What the step says, at its end.
+    /// What comes out, at the end of the step.
     type Output: Copy;
 
     /// Advances `state` by one step.

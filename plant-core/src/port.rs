@@ -1,10 +1,15 @@
 //! What components say to each other within a step.
 //!
-//! Going down the chain, each component offers the next one a straight line: how its answer
-//! depends on the increment that is not known yet ([`Source`], [`DriveLaw`]). The vehicle at the end
-//! solves one equation; going back, each component settles its own state. What resists the same
-//! way in every step ([`Coast`]) is composed down the same chain once, when the plant is made. A
-//! new machine, axle or source joins by giving the same line.
+//! Going down the chain, each component offers the next one a straight line: how its answer depends
+//! on the increment that is not known yet ([`Source`], [`DriveLaw`]). The vehicle at the end solves
+//! one equation; going back, each component settles its own state. What resists alike in every step
+//! ([`Coast`]) is composed down the same chain once, when the plant is made. A new machine, axle or
+//! source joins by giving the same line.
+//!
+//! The port laws are ours; the projection of a set-valued friction is the implicit step of
+//! \[AcaryBrogliato2008\] for one friction.
+//!
+//! Tests: in the components that use them; properties `passivity`, `standstill`.
 
 use crate::num::Real;
 

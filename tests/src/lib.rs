@@ -1,5 +1,6 @@
-//! Tests of the whole workspace. The crate itself only knows where real measurements are; the tests
-//! are in `tests/`:
+//! Tests of the whole workspace. The crate itself knows where real measurements are, and its program
+//! `generate` writes the files that are made from others (`cargo xtask presets`, `cargo xtask trip`);
+//! the tests are in `tests/`:
 //!
 //! | Test | What it holds |
 //! |---|---|
@@ -43,4 +44,13 @@ pub fn real_files(folder: &str) -> Vec<PathBuf> {
     files.sort_unstable();
     assert!(!files.is_empty(), "no .csv file in {}", folder.display());
     files
+}
+
+/// The examples of the documents, kept compiling.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../docs/src/start.md")]
+    struct Start;
 }

@@ -135,14 +135,7 @@ impl Bench {
     }
 
     fn estimate(&self, soc: f32, soc_sd: f32) -> Estimate {
-        Estimate {
-            soc,
-            soc_sd,
-            polarisation_v: [0.0; 2],
-            hysteresis: 0.0,
-            offset_v: 0.0,
-            temperature_c: self.state.temperature_c.get(),
-        }
+        Estimate::rested(soc, soc_sd, self.state.temperature_c.get())
     }
 }
 

@@ -1,12 +1,14 @@
 //! The published reference system, reproduced: UDDS in a closed loop and the step of the DC motor.
 //!
-//! The targets are recomputations of `EPowertrain` (2025) with adaptive solvers, at tolerances of
+//! The targets are recomputations of `EPowertrain2025` with adaptive solvers, at tolerances of
 //! 1e-8 (UDDS) and 1e-10 (motor), not its printed figures.
 
 use plant_core::Dt;
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorParams, DcMotorState};
 use plant_core::presets::{MOTOR_MOMENTS, MOTOR_PASEK};
-use voltstep::cli::Mode;
+use voltstep::read::{input, vehicle};
+use voltstep::simulate::mode::Mode;
+use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::replay::{self, Options, Replay};
 
 /// How close a figure must come.
@@ -135,9 +137,9 @@ fn check(case: &str, figures: &[(&str, f64)], targets: &[Target]) {
 }
 
 fn udds(vehicle: &str, dt_ms: f64, ledger: bool) -> Replay {
-    let vehicle = vehicle.to_owned();
-    let options = Options { vehicle, mode: Mode::Vehicle, dt_ms, ledger, show_progress: false };
-    replay::replay("udds", &options).unwrap()
+    let options = Options { mode: Mode::Vehicle, dt_s: dt_ms / 1000.0, ledger };
+    let (vehicle, drive) = (vehicle::load(vehicle).unwrap(), input::drive("udds").unwrap());
+    replay::replay(&vehicle, drive, options, &Unseen).unwrap()
 }
 
 /// Replays UDDS with the ledger, which must close; gives the figures.

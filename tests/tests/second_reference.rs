@@ -21,6 +21,7 @@ use plant_core::mechanics::slope::Grade;
 use plant_core::port::Source;
 use plant_core::{Accum, Dt, presets};
 use voltstep::read::{cycle, vehicle};
+use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::route::Route;
 use voltstep::simulate::run;
 
@@ -334,7 +335,7 @@ fn udds(name: &str, set: &str) {
     }
     let strayed = std::cell::RefCell::new(Vec::new());
     check(name, |dt_s, trace| {
-        let run = run::vehicle(&car, &Route::of_cycle(&cycle), 0.8, dt_s, true, false).unwrap();
+        let run = run::vehicle(&car, &Route::of_cycle(&cycle), 0.8, dt_s, true, &Unseen).unwrap();
         let (torque, battery) = (run.totals.motor_torque_nm, run.totals.battery_current_a);
         let energy_j = f64::from(run.energy.unwrap().electrochemical);
         let ends = [

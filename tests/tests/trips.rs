@@ -7,12 +7,14 @@ use std::path::{Path, PathBuf};
 
 use plant_core::mechanics::body::RoadResistance;
 use serde_json::Value;
-use voltstep::cli::Mode;
-use voltstep::read::vehicle::{self, Vehicle};
+use voltstep::read::input;
+use voltstep::read::vehicle::{self, Vehicle, VehicleBattery};
+use voltstep::simulate::mode::Mode;
+use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
 use voltstep::simulate::summary::NUMERICAL_WARNING;
 
-/// "Good" is speed within ±1.6 km/h in `EPowertrain` (2025), section 5.5.2 \[m/s\].
+/// "Good" is speed within ±1.6 km/h in `EPowertrain2025`, section 5.5.2 \[m/s\].
 const SPEED_RMS_M_S: f64 = 1.6 / 3.6;
 /// The ledger is compensated sums in single precision.
 const RESIDUAL: f64 = 1e-6;
@@ -47,13 +49,15 @@ fn real_trips() -> Vec<PathBuf> {
 }
 
 fn options(mode: Mode, dt_ms: f64) -> Options {
-    Options { vehicle: DEFAULT_VEHICLE.to_owned(), mode, dt_ms, ledger: true, show_progress: false }
+    Options { mode, dt_s: dt_ms / 1000.0, ledger: true }
 }
 
 /// Replays a trip; every figure must be finite, and every row of the trace.
 #[track_caller]
 fn replayed(path: &Path, mode: Mode, dt_ms: f64) -> Replay {
-    let replay = replay::replay(&path.to_string_lossy(), &options(mode, dt_ms))
+    let vehicle = vehicle::load(DEFAULT_VEHICLE).unwrap();
+    let trip = input::trip(path).unwrap_or_else(|e| panic!("{e}"));
+    let replay = replay::of_trip(vehicle, trip, options(mode, dt_ms), &Unseen)
         .unwrap_or_else(|e| panic!("{}: {e:#}", path.display()));
     check_finite(&replay, mode);
     replay
@@ -100,7 +104,7 @@ fn show(replay: &Replay) {
         .speed_error_rms_m_s
         .map_or(String::new(), |rms| format!(", speed RMS {rms:.4} m/s"));
     println!(
-        "{:9} {:7} {:4} ms: SOC RMSE {:.3} %, SOC drop {:+5.1} %, energy {:+5.1} %, voltage \
+        "{:9} {:?} {:4} ms: SOC RMSE {:.3} %, SOC drop {:+5.1} %, energy {:+5.1} %, voltage \
          RMSE {:5.2} V, current RMSE {:5.2} A{speed}",
         summary.input,
         summary.mode,
@@ -182,6 +186,9 @@ fn step_makes_no_difference(path: &Path) {
     assert!((long / short - 1.0).abs() < STEP, "{}: SOC drop {short}, {long}", path.display());
 }
 
+/// The vehicle whose parameters the synthetic trip's differ from.
+const CONSTANT_VEHICLE: &str = "bmw-i3-60ah-constant";
+
 /// The vehicle that made the synthetic trip.
 fn truth() -> Vehicle {
     let path = synthetic().with_extension("truth.toml");
@@ -191,9 +198,10 @@ fn truth() -> Vehicle {
         let value = path.split('.').try_fold(&truth, |table, key| table.get(key));
         value.unwrap_or_else(|| panic!("no {path}")).to_string().parse().unwrap()
     };
-    let mut vehicle = vehicle::load(DEFAULT_VEHICLE).unwrap();
-    vehicle.battery_map = None;
-    let battery = &mut vehicle.powertrain.battery;
+    let mut vehicle = vehicle::load(CONSTANT_VEHICLE).unwrap();
+    let VehicleBattery::Constant(battery) = &mut vehicle.powertrain.battery else {
+        panic!("{CONSTANT_VEHICLE} has a map")
+    };
     battery.capacity_ah = number("battery.capacity_ah");
     battery.series_resistance_ohm = number("battery.series_resistance_ohm");
     let branch = &mut battery.polarisation;
@@ -210,8 +218,8 @@ fn truth() -> Vehicle {
 }
 
 fn synthetic_with(vehicle: Vehicle, mode: Mode) -> Replay {
-    let trip = voltstep::read::trip::read(synthetic()).unwrap();
-    let replay = replay::of_trip(vehicle, trip, mode, &options(mode, 1.0)).unwrap();
+    let trip = input::trip(&synthetic()).unwrap();
+    let replay = replay::of_trip(vehicle, trip, options(mode, 1.0), &Unseen).unwrap();
     check_finite(&replay, mode);
     show(&replay);
     replay
@@ -225,7 +233,7 @@ fn the_true_battery_fits_the_synthetic_trip_and_another_does_not() {
     assert!(error.soc_drop_rel.abs() < TRUE_SOC_DROP, "{error:?}");
     assert!(error.energy_rel.abs() < TRUE_ENERGY, "{error:?}");
 
-    let preset = Vehicle { battery_map: None, ..vehicle::load(DEFAULT_VEHICLE).unwrap() };
+    let preset = vehicle::load(CONSTANT_VEHICLE).unwrap();
     let error = synthetic_with(preset, Mode::Battery).summary.error.unwrap();
     assert!(error.voltage_rmse_v > TRUE_VOLTAGE_RMSE_V, "{error:?}");
     assert!(error.soc_rmse > TRUE_SOC_RMSE && error.soc_drop_rel > TRUE_SOC_DROP, "{error:?}");

@@ -23,11 +23,11 @@ pub fn usage() -> String {
          cargo xtask <part>    run one part\n\nParts:\n"
     );
     for part in PARTS {
-        let _ = writeln!(text, "  {:<8}  {}", part.name, part.about);
+        let _ = writeln!(text, "  {:<9}  {}", part.name, part.about);
     }
     text += "\nOnly by name:\n";
     for part in LONG {
-        let _ = writeln!(text, "  {:<8}  {}", part.name, part.about);
+        let _ = writeln!(text, "  {:<9}  {}", part.name, part.about);
     }
     text
 }

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::capi::{self, CORTEX_M4F, STARTUP, WARNINGS};
-use crate::counts::{Counted, parse_counts, section_bytes};
+use crate::counted::{Counted, parse_counts, section_bytes};
 use crate::firmware::TARGET;
+use crate::qemu::{self, MPS2_AN386};
 use crate::shell::{output, program, run};
 
 const FOLDER: &str = "firmware-example/compare";
@@ -92,7 +93,7 @@ pub fn table(ours: (f64, u64, u64), plugin: &Path) -> Result<String> {
         text,
         "\nC by `arm-none-eabi-gcc -O3 -mcpu=cortex-m4`, without fused multiply-add unless noted \
          (with it the bits differ from those of a PC), counted in the same run over UDDS \
-         ([compare]({FOLDER})). The semi-implicit C agrees with Voltstep to {} parts per billion in \
+         (`{FOLDER}`). The semi-implicit C agrees with Voltstep to {} parts per billion in \
          every step. Explicit Euler needs {euler_steps} steps per millisecond or diverges, even with \
          the battery's RC branch and the controller's smoothing taken as settled (as they are \
          they would need 2 ns); its state of charge is then up to {:.4} off, for want of compensated \
@@ -110,8 +111,7 @@ fn ppb(parts: u64) -> f64 {
 
 /// The number after a name in what the program said.
 fn value(said: &str, name: &str) -> Result<u64> {
-    let line = said.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
-    line.with_context(|| format!("no `{name}`"))?.trim().parse().context("no number")
+    qemu::line(said, name)?.trim().parse().context("no number")
 }
 
 /// The largest difference of the semi-implicit C from the library.
@@ -212,7 +212,7 @@ impl Built {
         let log = self.elf.with_extension("counts");
         let (d, file) = (String::from("-D"), log.display().to_string());
         let more = ["-d".into(), "plugin".into(), d, file, "-plugin".into(), argument];
-        let said = capi::qemu(&self.elf, &more)?;
+        let said = qemu::run(MPS2_AN386, &self.elf, &more)?;
         let counted = parse_counts(&fs::read_to_string(&log).context("the plugin wrote no log")?)?;
         let nothing = counted.iter().find(|(name, _)| name == NOTHING);
         ensure!(

@@ -1,32 +1,37 @@
 //! The workspace in `firmware-example`: its own checks, and the same bits on every machine.
 
-use std::ffi::OsStr;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::shell::{cargo, output, program, run};
+use crate::board;
+use crate::qemu::{self, MPS2_AN386, line};
+use crate::shell::{TOOLS, cargo, output, program, run};
 
 /// The microcontroller target: Cortex-M4F.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// A microcontroller without floating point: Cortex-M0+.
 pub const SMALL_TARGET: &str = "thumbv6m-none-eabi";
 const FOLDER: &str = "firmware-example";
-/// Starts an image in QEMU and decodes what it logs.
-const QEMU_RUN: &str = "qemu-run@0.3.1";
+/// The least firmware, and what it says.
+const MINIMAL: (&str, &str) = ("minimal", "src/bin/minimal.out");
 
 /// The vehicles of `sim`, with the features that choose them.
-const VEHICLES: &[(&str, &[&str])] =
-    &[("epowertrain-udds", &[]), ("bmw-i3-60ah", &["--features", "bmw-i3"])];
+const VEHICLES: &[(&str, &[&str])] = &[
+    ("epowertrain-udds", &[]),
+    ("bmw-i3-60ah-constant", &["--features", "bmw-i3-constant"]),
+    ("bmw-i3-60ah", &["--features", "bmw-i3"]),
+];
 
-/// Where the same bits must come out: opt-level, machine, processor.
-const MACHINES: &[(&str, &str, &str)] = &[
-    ("2", "mps2-an386", "cortex-m4"),
-    ("3", "mps2-an386", "cortex-m4"),
-    ("s", "mps2-an386", "cortex-m4"),
-    ("3", "mps2-an500", "cortex-m7"),
+/// Where the same bits must come out: opt-level, processor, QEMU's words for the machine.
+const MACHINES: &[(&str, &str, &[&str])] = &[
+    ("2", "Cortex-M4F", MPS2_AN386),
+    ("3", "Cortex-M4F", MPS2_AN386),
+    ("s", "Cortex-M4F", MPS2_AN386),
+    ("3", "Cortex-M7", &["-cpu", "cortex-m7", "-machine", "mps2-an500"]),
 ];
 
 /// The workspace's root.
@@ -87,29 +92,39 @@ pub fn firmware() -> Result<()> {
     let board = ["--no-default-features", "--features", "board", "--bin", "board"];
     run(firmware_cargo().arg("clippy").args(board).args(strict))?;
     build(&board, &[])?;
+    board::check(&binary("board")?)?;
     run(firmware_cargo().args(["test", "--release", "-p", "voltstep-trace", "--target", &host]))?;
+    minimal()?;
     run(firmware_cargo().args(["run", "--release", "--locked", "--bin", "sensor"]))
+}
+
+/// The least firmware says what it always said.
+fn minimal() -> Result<()> {
+    let (name, file) = MINIMAL;
+    let expected = root().join(FOLDER).join(file);
+    let expected = fs::read_to_string(&expected).context(file)?;
+    let run = ["run", "--quiet", "--release", "--locked", "--bin", name];
+    let said = output(firmware_cargo().args(run))?;
+    ensure!(said == expected, "`{name}` says, other than {file}:\n{said}");
+    Ok(())
 }
 
 /// The same bits after every step on this machine and in QEMU, at each opt-level.
 pub fn bits() -> Result<()> {
     for (vehicle, features) in VEHICLES {
-        let expected = result(&host_trace(vehicle, None)?)?.to_owned();
+        let here = host_trace(vehicle, None)?;
+        let expected = line(&here, "result")?;
         println!("{vehicle} here: {expected}");
         for machine in MACHINES {
-            let found = sim(features, machine, "info", None)?;
-            let found = result(&found)?;
-            println!("{vehicle} at opt-level {} on {}: {found}", machine.0, machine.2);
-            let hashes =
-                |said: &str| said.split(' ').skip(1).take(2).map(String::from).collect::<Vec<_>>();
-            if hashes(found) != hashes(&expected) {
-                bail!(
-                    "{vehicle} at opt-level {} on {} differs: {}",
-                    machine.0,
-                    machine.2,
-                    first_difference(vehicle, features, machine)?
-                );
-            }
+            let (opt_level, processor, _) = machine;
+            let there = sim(features, machine, None)?;
+            let found = line(&there, "result")?;
+            println!("{vehicle} at opt-level {opt_level} on {processor}: {found}");
+            ensure!(
+                found == expected,
+                "{vehicle} at opt-level {opt_level} on {processor} differs: {}",
+                first_difference(vehicle, features, machine)?
+            );
         }
     }
     Ok(())
@@ -127,51 +142,40 @@ pub fn host_trace(vehicle: &str, block: Option<&str>) -> Result<String> {
     )
 }
 
-/// What the firmware says in QEMU.
+/// What the firmware says in QEMU; of a block, if one is named, every frame.
 fn sim(
     features: &[&str],
-    (opt_level, machine, cpu): &(&str, &str, &str),
-    log: &str,
+    (opt_level, _, machine): &(&str, &str, &[&str]),
     block: Option<&str>,
 ) -> Result<String> {
-    let mut variables = vec![("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level), ("DEFMT_LOG", log)];
+    let mut variables = vec![("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
     variables.extend(block.map(|block| ("VOLTSTEP_BLOCK", block)));
     build(&[&["--bin", "sim"], features].concat(), &variables)?;
-    let elf = binary("sim")?;
-    let mut qemu = program("qemu-run");
-    output(qemu.args([OsStr::new("--machine"), OsStr::new(machine)]).args(["--cpu", cpu]).arg(elf))
-}
-
-/// The rest of the line that begins with `result`, whatever the logger puts before it.
-fn result(said: &str) -> Result<&str> {
-    said.lines()
-        .find_map(|line| Some(line.split_once("result ")?.1.trim()))
-        .context("the run ended without a result")
+    qemu::run(machine, &binary("sim")?, &[""; 0])
 }
 
 /// Names the first step and field that differ: by the hashes of the blocks, then frame by frame.
 fn first_difference(
     vehicle: &str,
     features: &[&str],
-    machine: &(&str, &str, &str),
+    machine: &(&str, &str, &[&str]),
 ) -> Result<String> {
     let here = host_trace(vehicle, None)?;
-    let there = sim(features, machine, "debug", None)?;
+    let there = sim(features, machine, Some("0"))?;
     let block = first_differing(&lines(&here, "block "), &lines(&there, "block "))
         .context("the results differ, the blocks do not")?;
     let block = block.to_string();
     let here = host_trace(vehicle, Some(&block))?;
-    let there = sim(features, machine, "trace", Some(&block))?;
-    let fields = lines(&here, "fields ");
-    let fields = fields.first().context("the names of the fields are missing")?;
+    let there = sim(features, machine, Some(&block))?;
+    let fields = line(&here, "fields")?;
     let (here, there) = (lines(&here, "frame "), lines(&there, "frame "));
     let at = first_differing(&here, &there).context("the block differs, its frames do not")?;
     Ok(describe(fields, here[at], there.get(at).copied().unwrap_or("nothing")))
 }
 
-/// The rest of the lines that hold a word.
+/// The rest of the lines that begin with a word.
 fn lines<'a>(said: &'a str, word: &str) -> Vec<&'a str> {
-    said.lines().filter_map(|line| Some(line.split_once(word)?.1.trim())).collect()
+    said.lines().filter_map(|line| line.strip_prefix(word)).collect()
 }
 
 fn first_differing(a: &[&str], b: &[&str]) -> Option<usize> {
@@ -182,11 +186,7 @@ fn first_differing(a: &[&str], b: &[&str]) -> Option<usize> {
 /// Which field of two frames differs first.
 fn describe(fields: &str, here: &str, there: &str) -> String {
     fn words(frame: &str) -> Vec<&str> {
-        frame
-            .split([' ', ',', '[', ']'])
-            .filter(|word| !word.is_empty())
-            .map(|word| word.trim_start_matches("0x"))
-            .collect()
+        frame.split([' ', ',', '[', ']']).filter(|word| !word.is_empty()).collect()
     }
     let (here, there) = (words(here), words(there));
     let Some(at) = first_differing(&here, &there) else { return String::from("nowhere") };
@@ -195,15 +195,6 @@ fn describe(fields: &str, here: &str, there: &str) -> String {
     let step = here.first().copied().unwrap_or("?");
     format!("first at step {step}, field {field}: {} here, {} there", word(&here), word(&there))
 }
-
-/// Tools that do not come with Rust, and Debian's packages that hold them.
-const TOOLS: &[(&str, &str)] = &[
-    ("qemu-system-arm", "qemu-system-arm"),
-    ("arm-none-eabi-gcc", "gcc-arm-none-eabi"),
-    ("arm-none-eabi-nm", "gcc-arm-none-eabi"),
-    ("arm-none-eabi-size", "gcc-arm-none-eabi"),
-    ("cc", "gcc"),
-];
 
 fn is_there(tool: &str) -> bool {
     program(tool).arg("--version").output().is_ok()
@@ -231,9 +222,6 @@ pub fn setup() -> Result<()> {
             .with_context(|| format!("cannot install Debian's package `{package}`"))?;
         ensure!(is_there(tool), "`{tool}` is still missing after installing `{package}`");
     }
-    if !is_there("qemu-run") {
-        run(cargo().args(["install", "--locked", QEMU_RUN]))?;
-    }
     Ok(())
 }
 
@@ -246,7 +234,7 @@ mod tests {
         let here = "17 [00000001, 00000002, 3f800000, 0, 0, 0, 0, 0, 0, 0, 0, 0]";
         let fields = "current_a current_a.lost speed_m_s speed_m_s.lost";
         assert_eq!(describe(fields, here, here), "nowhere");
-        let there = "17 [0x00000001, 0x00000002, 0x3f800001, 0, 0, 0, 0, 0, 0, 0, 0, 0]";
+        let there = "17 [00000001, 00000002, 3f800001, 0, 0, 0, 0, 0, 0, 0, 0, 0]";
         assert_eq!(
             describe(fields, here, there),
             "first at step 17, field speed_m_s: 3f800000 here, 3f800001 there"
@@ -255,11 +243,8 @@ mod tests {
     }
 
     #[test]
-    fn lines_and_results_are_found_behind_a_logger() {
-        let said = "[DEBUG] block 0 aa (sim src/x.rs)\n[INFO ] result hash ff soc 0.7\n";
-        assert_eq!(result(said).unwrap(), "hash ff soc 0.7");
-        assert!(result("nothing").is_err());
-        assert_eq!(lines(said, "block "), ["0 aa (sim src/x.rs)"]);
+    fn lines_are_found_and_compared() {
+        assert_eq!(lines("block 0 aa\nresult hash ff\nblock 1 bb\n", "block "), ["0 aa", "1 bb"]);
         assert_eq!(first_differing(&["a", "b"], &["a", "c"]), Some(1));
         assert_eq!(first_differing(&["a"], &["a", "c"]), Some(1));
         assert_eq!(first_differing(&["a"], &["a"]), None);

@@ -2,19 +2,31 @@
 //!
 //! `cargo xtask test` sets up what it needs and runs every part of [`parts::PARTS`] in order; it
 //! stops at the first part that fails. `cargo xtask <part>` runs one part. CI runs the same
-//! command.
+//! command. `cargo xtask math` is what mdBook calls for the book's equations.
 
 mod args;
+mod arrows;
+mod board;
+mod book;
 mod capi;
+mod citations;
 mod compare;
+mod counted;
 mod counts;
 mod data;
+mod documents;
+mod examples;
 mod firmware;
+mod generate;
+mod generated;
 mod image;
+mod links;
+mod math;
 mod metadata;
 mod mutants;
 mod parts;
-mod readme;
+mod paths;
+mod qemu;
 mod report;
 mod shell;
 
@@ -26,6 +38,17 @@ use crate::report::Verdict;
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [first, rest @ ..] = words.as_slice()
+        && first == math::WORD
+    {
+        return math::answer(rest).map_or_else(
+            |error| {
+                eprintln!("{error:#}");
+                ExitCode::FAILURE
+            },
+            |()| ExitCode::SUCCESS,
+        );
+    }
     if let Some(parts) = args::parse(&words) {
         run(&parts)
     } else {

@@ -1,6 +1,6 @@
 //! Mutation testing: changes plant-core in one place after the other and sees whether a unit test
 //! notices. What is left out, and the features, stand in `.cargo/mutants.toml`; what survives, and
-//! why, in `docs/mutants.md`.
+//! why, in `docs/src/mutants.md`.
 
 use std::fs;
 

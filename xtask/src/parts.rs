@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::data;
 use crate::firmware;
+use crate::generate;
 use crate::metadata::Metadata;
 use crate::shell::{cargo, output, program, run};
 
@@ -26,9 +27,12 @@ pub struct Part {
 pub const PARTS: &[Part] = &[
     part("setup", "install what the other parts need", setup),
     part("format", "formatting is that of rustfmt", format),
+    part("arrows", "each module uses only those below it", crate::arrows::arrows),
+    part("paths", "what documents link to, name and cite is there", paths),
     part("clippy", "no warning from the compiler or clippy", clippy),
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
-    part("docs", "the documentation builds without a warning", docs),
+    part("examples", "each example runs and shows what it asserts", crate::examples::examples),
+    part("docs", "rustdoc and the book build without a warning", docs),
     part("thumb", "what runs on target builds for Cortex-M4F and M0+, with each feature", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
     Part {
@@ -52,10 +56,14 @@ pub const PARTS: &[Part] = &[
         crate::capi::capi,
     ),
     part("counts", "what each step costs on target is no more than before", crate::counts::counts),
-    part("readme", "the README's figures are those of this code", crate::readme::readme),
+    part(
+        "generated",
+        "the figures in the documents are those of this code",
+        crate::generated::generated,
+    ),
 ];
 
-/// Parts that take long or need more tools; `test` leaves them out.
+/// Parts that take long, need more tools or write files of the workspace; `test` leaves them out.
 pub const LONG: &[Part] = &[
     part("miri", "unit tests in an interpreter that sees undefined behaviour", miri),
     part(
@@ -68,6 +76,8 @@ pub const LONG: &[Part] = &[
         "changes plant-core in every place; tests notice 9 of 10 (VOLTSTEP_MUTANTS_SHARD)",
         crate::mutants::mutants,
     ),
+    part("presets", "writes the batteries of plant-core from their files", generate::presets),
+    part("trip", "writes the synthetic trip and its true parameters", generate::trip),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
@@ -121,6 +131,7 @@ fn setup() -> Result<()> {
     for target in TARGETS {
         rustup("target", target)?;
     }
+    crate::book::setup()?;
     firmware::setup()
 }
 
@@ -150,6 +161,10 @@ fn format() -> Result<()> {
 fn clippy() -> Result<()> {
     run(cargo()
         .args(["clippy", "--workspace", "--all-targets", "--all-features"])
+        .args(["--", "-D", "warnings"]))?;
+    // The parsers and the identification need no command line, tables or plots.
+    run(cargo()
+        .args(["clippy", "-p", "voltstep", "--no-default-features", "--lib"])
         .args(["--", "-D", "warnings"]))
 }
 
@@ -177,7 +192,16 @@ fn docs() -> Result<()> {
     run(cargo()
         .args(["doc", "--workspace", "--no-deps", "--all-features"])
         .args(TWINS.iter().flat_map(|twin| ["--exclude", twin]))
-        .env("RUSTDOCFLAGS", "-D warnings"))
+        .env("RUSTDOCFLAGS", "-D warnings"))?;
+    crate::book::build()
+}
+
+fn paths() -> Result<()> {
+    let mut documents = crate::documents::all()?;
+    crate::links::check(&documents)?;
+    documents.extend(crate::documents::comments()?);
+    crate::paths::check(&documents)?;
+    crate::citations::check(&documents)
 }
 
 fn thumb() -> Result<()> {

@@ -6,6 +6,15 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, anyhow, bail};
 
+/// Tools that do not come with Rust, and Debian's packages that hold them.
+pub const TOOLS: &[(&str, &str)] = &[
+    ("qemu-system-arm", "qemu-system-arm"),
+    ("arm-none-eabi-gcc", "gcc-arm-none-eabi"),
+    ("arm-none-eabi-nm", "gcc-arm-none-eabi"),
+    ("arm-none-eabi-size", "gcc-arm-none-eabi"),
+    ("cc", "gcc"),
+];
+
 /// A program, to be run in the root of the workspace.
 pub fn program(name: &str) -> Command {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
@@ -43,11 +52,14 @@ pub fn output(command: &mut Command) -> Result<String> {
 
 fn cannot_start(command: &Command, error: std::io::Error) -> anyhow::Error {
     let name = command.get_program().to_string_lossy();
-    if error.kind() == ErrorKind::NotFound {
-        anyhow!("`{name}` is not installed or not on the PATH")
-    } else {
-        anyhow!(error).context(format!("cannot start `{name}`"))
+    if error.kind() != ErrorKind::NotFound {
+        return anyhow!(error).context(format!("cannot start `{name}`"));
     }
+    let package =
+        TOOLS.iter().find(|(tool, _)| *tool == name).map_or(String::new(), |(_, package)| {
+            format!(": Debian's package `{package}` has it, `cargo xtask setup` installs that")
+        });
+    anyhow!("`{name}` is not installed or not on the PATH{package}")
 }
 
 /// The command as one would type it; a program given by its path is shown by its name.
@@ -71,6 +83,13 @@ mod tests {
         let error = run(&mut program("no-such-program-voltstep")).unwrap_err();
         assert!(error.to_string().contains("no-such-program-voltstep"));
         assert!(error.to_string().contains("not installed"));
+    }
+
+    #[test]
+    fn the_package_of_a_missing_tool_is_named() {
+        let missing = std::io::Error::from(ErrorKind::NotFound);
+        let error = cannot_start(&program("arm-none-eabi-nm"), missing).to_string();
+        assert!(error.contains("`gcc-arm-none-eabi`"), "{error}");
     }
 
     #[test]

@@ -1,10 +1,16 @@
-//! The pack as a Smart Battery (Smart Battery Data Specification 1.1, 1998), by the trait of the
-//! crate `embedded-batteries`.
+//! The pack as a Smart Battery \[SmartBattery1998\], by the trait of the crate
+//! `embedded-batteries`.
 //!
-//! The specification counts in integers of 16 bits: up to 65 V, 32 A one way, 65 A·h, 655 W·h. What
-//! does not fit is an error, never a value cut short: a 400 V pack has a state of charge and times
+//! The specification counts in integers of 16 bits: up to 65 V, 32 A in either direction, 65 A·h,
+//! 655 W·h. What does not fit is an error, never a value cut short: a 400 V pack has a state of charge and times
 //! here, and no voltage. Charging current is positive in the specification; here it is turned
 //! around.
+//!
+//! Tests: `tests` below.
+
+mod snapshot;
+
+pub use snapshot::{Identity, Snapshot};
 
 use embedded_batteries::smart_battery::{
     BatteryModeFields, BatteryStatusFields, CapacityModeSignedValue, CapacityModeValue, Cycles,
@@ -15,9 +21,7 @@ use embedded_batteries::{MilliAmps, MilliAmpsSigned, MilliVolts};
 use plant_core::Real;
 use plant_core::num::{floor, max, min};
 
-use crate::estimate::energy::{EnergyGauge, EnergyReport, EnergyState, Left};
-use crate::estimate::power::Allowance;
-use crate::{Estimate, Health};
+use crate::estimate::energy::{EnergyGauge, EnergyReport, Left};
 
 /// How many standard deviations of the state of charge the published margin of error spans.
 const ERROR_SDS: Real = 3.0;
@@ -26,55 +30,60 @@ const NO_TIME: Minutes = u16::MAX;
 /// 0 °C in kelvin.
 const KELVIN_AT_0_C: Real = 273.15;
 
-/// Who made the pack, and of what.
-#[derive(Clone, Copy, Debug)]
-pub struct Identity<'i> {
-    /// Capacity of a new pack \[A·h\].
-    pub design_capacity_ah: Real,
-    /// Nominal voltage of a new pack \[V\].
-    pub design_voltage_v: Real,
-    /// When it was made.
-    pub manufacture_date: ManufactureDate,
-    /// Number of this pack among its kind.
-    pub serial_number: u16,
-    /// Who made it.
-    pub manufacturer_name: &'i str,
-    /// What it is called.
-    pub device_name: &'i str,
-    /// What is in it, as `LION`.
-    pub device_chemistry: &'i str,
-}
-
-/// What the battery management knows at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Snapshot {
-    /// Voltage at the terminals \[V\].
-    pub voltage_v: Real,
-    /// Current \[A\], positive when discharging.
-    pub current_a: Real,
-    /// What is believed to be in it.
-    pub estimate: Estimate,
-    /// How far it has aged.
-    pub health: Health,
-    /// The averages over a minute.
-    pub averages: EnergyState,
-    /// What may be drawn for ten seconds.
-    pub discharge: Allowance,
-    /// The largest current to charge with \[A\], ≥ 0.
-    pub charging_current_a: Real,
-    /// The highest voltage to charge with \[V\].
-    pub charging_voltage_v: Real,
-    /// Discharges of the design capacity so far.
-    pub cycles: Real,
-    /// Flags and alarms that the battery management decides on; the error code, `discharging` and
-    /// the alarms of capacity and time are filled in.
-    pub status: BatteryStatusFields,
-}
-
 /// A pack that answers as a Smart Battery does.
 ///
 /// [`show`](Self::show) gives it the newest [`Snapshot`]; before the first, every reading is
 /// [`ErrorCode::Busy`].
+///
+/// ```
+/// use embedded_batteries::smart_battery::{BatteryStatusFields, ManufactureDate, SmartBattery};
+/// use plant_core::presets::PANASONIC_NCR18650PF;
+/// use plant_core::{MappedBattery, must};
+/// use voltstep_bms::comm::smart_battery::{Identity, SmartPack, Snapshot};
+/// use voltstep_bms::estimate::energy::{EnergyGauge, EnergyParams, EnergyState};
+/// use voltstep_bms::estimate::power::{Allowance, BoundBy};
+/// use voltstep_bms::{Dt, Estimate, Health};
+///
+/// const DT: Dt = must!(Dt::from_s(1.0));
+/// const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
+/// const PARAMS: EnergyParams =
+///     EnergyParams { empty_soc: 0.0, full_soc: 1.0, empty_v: 2.5, least_a: 0.01 };
+/// const GAUGE: EnergyGauge = must!(EnergyGauge::new(PARAMS, &CELL, DT));
+///
+/// let mut pack = SmartPack::new(
+///     Identity {
+///         design_capacity_ah: 2.9,
+///         design_voltage_v: 3.6,
+///         manufacture_date: ManufactureDate::new(),
+///         serial_number: 4711,
+///         manufacturer_name: "Voltstep",
+///         device_name: "18650PF",
+///         device_chemistry: "LION",
+///     },
+///     GAUGE,
+/// );
+/// assert!(pack.voltage().is_err()); // nothing shown yet
+///
+/// pack.show(Snapshot {
+///     voltage_v: 3.612,
+///     current_a: 1.5,
+///     estimate: Estimate::rested(0.5, 0.01, 25.0),
+///     health: Health::as_new(&CELL),
+///     averages: EnergyState::default(),
+///     discharge: Allowance {
+///         current_a: 10.0,
+///         power_w: 30.0,
+///         voltage_v: 3.0,
+///         bound_by: BoundBy::Current,
+///     },
+///     charging_current_a: 1.5,
+///     charging_voltage_v: 4.2,
+///     cycles: 17.0,
+///     status: BatteryStatusFields::new(),
+/// })
+/// .unwrap();
+/// assert_eq!((pack.voltage(), pack.current()), (Ok(3612), Ok(-1500))); // mV, mA into the pack
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SmartPack<'b> {
     identity: Identity<'b>,

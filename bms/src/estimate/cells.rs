@@ -1,4 +1,13 @@
 //! State of charge of each cell: that of the pack, and by how much the cell differs.
+//!
+//! Bar-delta filtering \[Plett2009; Plett2016, ch. 4\]: the pack's estimate follows the mean
+//! of the cells, and for each cell a scalar Kalman filter reads from its voltage's deviation from
+//! the mean the difference of its state of charge, `v − v̄ = OCV(s̄ + δ) − OCV(s̄)`.
+//!
+//! What stays wrong in a cell (offset, resistance, capacity) is considered, not estimated
+//! \[Schmidt1966\]. That a bend of the curve counts as noise is ours.
+//!
+//! Tests: `tests` below; `tests/tests/bms_pack/cells.rs` and `finite.rs`.
 
 use core::hint::cold_path;
 
@@ -18,14 +27,11 @@ pub use spread::{CellSoc, SocSpread};
 
 /// How far each cell's state of charge lies from the pack's.
 ///
-/// Bar-delta filtering (Plett 2009; 2015, vol. 2, ch. 4): the pack's estimate follows the mean
-/// of the cells, and for each cell a scalar Kalman filter reads from its voltage's deviation from
-/// the mean the difference of its state of charge, `v − v̄ = OCV(s̄ + δ) − OCV(s̄)`. Where the curve
-/// is flat the gain is zero by itself: the cell is held there.
+/// Where the open-circuit curve is flat the gain is zero by itself: the cell is held there.
 ///
 /// A voltage offset, a larger resistance, a smaller capacity are not noise: they stay, and a
 /// filter that averages them away believes what it cannot know. Each is a quantity that is not
-/// estimated but whose correlation with the estimate is kept (Schmidt 1966), so the standard
+/// estimated but whose correlation with the estimate is kept \[Schmidt1966\], so the standard
 /// deviation never falls below what they leave open.
 ///
 /// The filter reads the curve by its tangent. Where the curve bends within reach of what a cell may
@@ -53,14 +59,7 @@ pub use spread::{CellSoc, SocSpread};
 ///     must!(Dt::from_s(1.0)),
 /// ));
 ///
-/// let pack = Estimate {
-///     soc: 0.6,
-///     soc_sd: 0.01,
-///     polarisation_v: [0.0; 2],
-///     hysteresis: 0.0,
-///     offset_v: 0.0,
-///     temperature_c: 25.0,
-/// };
+/// let pack = Estimate::rested(0.6, 0.01, 25.0);
 /// let mut state = CELLS.start::<3>(pack);
 /// for _ in 0..300 {
 ///     let cell_v = [3.66, 3.70, 3.68]; // 20 mV apart at rest
@@ -120,7 +119,7 @@ pub struct CellsState<const CELLS: usize> {
     cells: [Cell; CELLS],
 }
 
-/// What drives one step of [`Cells`].
+/// Input of one step of [`Cells`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellsInput<'a, const CELLS: usize> {
     /// What is believed of the pack's cells in the mean.
@@ -131,7 +130,7 @@ pub struct CellsInput<'a, const CELLS: usize> {
     pub current_a: Real,
 }
 
-/// What one step of [`Cells`] says.
+/// Output of one step of [`Cells`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

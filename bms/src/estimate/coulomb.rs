@@ -1,4 +1,19 @@
 //! State of charge by counting charge, put right by the open-circuit voltage at rest.
+//!
+//! `SOC = SOC₀ − ∫ I dt / Q` with discharge current positive, charging current times its efficiency
+//! \[Plett2015, ch. 2\]. The errors of the count, and when a rest puts it right, are ours: the
+//! errors of a count are not noise, an offset stays the same offset. So each grows in proportion to
+//! its cause, and they join as independent of each other. With `t` the time and `q` the charge
+//! since the count was last put right, as state of charge:
+//! `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`, and never
+//! more than that of a state of charge that may be anything.
+//!
+//! Tests: `tests` below; `tests/tests/bms_pack/coulomb.rs` and `finite.rs`; measured cells and
+//! trips in `voltstep soc --estimator coulomb`.
+
+mod params;
+
+pub use params::CoulombParams;
 
 use plant_core::battery::OpenCircuit;
 use plant_core::error::{efficiency, not_negative, positive};
@@ -7,61 +22,12 @@ use plant_core::{Accum, Dt, Model, ParamError, Real, check};
 
 use crate::estimate::curve::rising;
 
-/// What is known about a battery and its current sensor.
-///
-/// Capacity, curve and rest voltage are of the same thing: a cell, or a pack as one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
-pub struct CoulombParams {
-    /// Charge between SOC 0 and 1 \[A·h\], above zero.
-    pub capacity_ah: Real,
-    /// Its standard deviation \[A·h\], ≥ 0.
-    pub capacity_sd_ah: Real,
-    /// Share of the charging current that stays in the cell, above 0 and up to 1; 1 where it is
-    /// not known.
-    #[cfg_attr(feature = "serde", serde(default = "lossless"))]
-    pub charge_efficiency: Real,
-    /// Standard deviation of the current sensor's constant offset \[A\], ≥ 0.
-    pub offset_sd_a: Real,
-    /// Standard deviation of its gain, as a ratio, ≥ 0.
-    pub gain_sd: Real,
-    /// The largest current of either sign that can flow \[A\], above zero. A reading above it is
-    /// none, and while there is none, so much may have flowed.
-    pub largest_current_a: Real,
-    /// Open-circuit voltage over the state of charge.
-    pub open_circuit: OpenCircuit,
-    /// Standard deviation of a voltage measured at rest from that curve \[V\], above zero: sensor,
-    /// hysteresis, what has not relaxed yet, the curve's own error.
-    pub rest_voltage_sd_v: Real,
-    /// At rest the current's magnitude is at most this \[A\], above zero.
-    pub rest_current_a: Real,
-    /// How long a rest takes until the voltage is believed \[s\], above zero.
-    pub rest_s: Real,
-}
-
-#[cfg(feature = "serde")]
-const fn lossless() -> Real {
-    1.0
-}
-
 /// Counts charge, and knows how wrong the count may be.
 ///
-/// `SOC = SOC₀ − ∫ I dt / Q` with discharge current positive, charging current times its
-/// efficiency (Plett 2015, vol. 1, ch. 2). Two parts, so that the fast one stays small:
-/// [`step`](Self::step) at every sample of the current, [`review`](Self::review) about once a
-/// second, which brings state of charge and uncertainty up to date and looks for a rest. What
-/// flows to and fro between two reviews cancels before efficiency and gain apply to it.
-///
-/// The errors of a count are not noise: an offset stays the same offset. So each grows in
-/// proportion to its cause, and they join as independent of each other. With `t` the time and `q`
-/// the charge since the count was last put right, as state of charge:
-/// `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`,
-/// and never more than that of a state of charge that may be anything.
+/// Two parts, so that the fast one stays small: [`step`](Self::step) at every sample of the
+/// current, [`review`](Self::review) about once a second, which brings state of charge and uncertainty up to
+/// date and looks for a rest. What flows to and fro between two reviews cancels before efficiency
+/// and gain apply to it.
 ///
 /// ```
 /// use plant_core::battery::OpenCircuit;
@@ -129,7 +95,7 @@ pub struct CoulombState {
     /// State of charge at the last review.
     soc: Accum,
     /// Since the count was put right: its standard deviation then, the time, and as SOC the charge
-    /// taken out, the charge moved either way, and what may have flowed unseen.
+    /// taken out, the charge moved in either direction, and what may have flowed unseen.
     anchor_sd: Real,
     counted_s: Accum,
     taken_soc: Accum,
@@ -138,14 +104,14 @@ pub struct CoulombState {
     rested_s: Accum,
 }
 
-/// What one step of a [`CoulombCounter`] counts.
+/// Input of one step of a [`CoulombCounter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombInput {
     /// Measured current, positive when discharging \[A\]; NaN where there is no usable reading.
     pub current_a: Real,
 }
 
-/// What a review of a [`CoulombCounter`] says.
+/// Output of a review of a [`CoulombCounter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -218,7 +184,8 @@ fn most_sd(soc: Real) -> Real {
     sqrt(UNKNOWN_VARIANCE + (soc - 0.5) * (soc - 0.5))
 }
 
-/// Standard deviations to either side within which a voltage at rest is read.
+/// Standard deviations to either side within which a voltage at rest is read. Chosen: 0.3 % of
+/// what is normally distributed lies outside.
 const SPAN_SD: Real = 3.0;
 
 impl CoulombCounter {

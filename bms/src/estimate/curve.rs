@@ -1,4 +1,6 @@
 //! Checks of an open-circuit curve that an estimator is given.
+//!
+//! Tests: below.
 
 use plant_core::Real;
 use plant_core::battery::OpenCircuit;

@@ -1,6 +1,10 @@
 //! Energy and time left.
 //!
-//! Names are those of the Smart Battery Data Specification 1.1 (1998) where it has one.
+//! `E = Q·(s − e)·V` with `V = (U + √(U² − 4·R·P))/2`: a discharge at constant power with the mean
+//! open-circuit voltage U and the mean resistance R of the window, which is ours. Names are those
+//! of \[SmartBattery1998\] where it has one.
+//!
+//! Tests: `tests` below, against the plant.
 
 use plant_core::battery::{MappedBattery, OverSoc, ResistanceMap};
 use plant_core::error::{above, check, not_negative, positive, ratio};
@@ -9,12 +13,12 @@ use plant_core::{Accum, Dt, ParamError, Real};
 
 use crate::{Estimate, Health};
 
-/// Seconds of the rolling average of current and power.
+/// Seconds of the rolling average of current and power: the minute of \[SmartBattery1998\].
 const AVERAGE_S: Real = 60.0;
-/// Halvings of the usable window: down to a thousandth of a per cent.
+/// Halvings of the usable window: down to a thousandth of a per cent (`2⁻¹⁶`).
 const HALVINGS: u32 = 16;
 
-/// What counts as empty and as full.
+/// Parameters of an [`EnergyGauge`]: what counts as empty and as full.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,6 +44,26 @@ pub struct EnergyParams {
 /// under P the voltage meets `empty_v`, found by bisection in 16
 /// steps, a branch's voltage being late by its time constant. It is as warm as now until
 /// the end, and warms itself in truth: in the cold it gives more than this says.
+///
+/// ```
+/// use plant_core::presets::PANASONIC_NCR18650PF;
+/// use plant_core::{MappedBattery, must};
+/// use voltstep_bms::estimate::energy::{EnergyGauge, EnergyParams};
+/// use voltstep_bms::{Dt, Estimate, Health};
+///
+/// const DT: Dt = must!(Dt::from_s(1.0));
+/// const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
+/// const PARAMS: EnergyParams =
+///     EnergyParams { empty_soc: 0.05, full_soc: 1.0, empty_v: 2.8, least_a: 0.01 };
+/// const GAUGE: EnergyGauge = must!(EnergyGauge::new(PARAMS, &CELL, DT));
+///
+/// let estimate = Estimate::rested(0.8, 0.01, 25.0);
+/// let health = Health::as_new(&CELL);
+/// let gently = GAUGE.left(1.0, &estimate, &health);
+/// let hard = GAUGE.left(10.0, &estimate, &health);
+/// assert!((6.0..9.0).contains(&gently.energy_wh));
+/// assert!(hard.energy_wh < gently.energy_wh); // more of it turns into heat
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyGauge<'b> {
     battery: &'b MappedBattery,
@@ -57,7 +81,7 @@ pub struct EnergyState {
     pub average_w: Accum,
 }
 
-/// What one step of an [`EnergyGauge`] averages.
+/// Input of one step of an [`EnergyGauge`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyInput {
     /// Current \[A\], positive when discharging.
@@ -77,7 +101,7 @@ pub struct Left {
     pub energy_wh: Real,
 }
 
-/// What an [`EnergyGauge`] says.
+/// Output of an [`EnergyGauge`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

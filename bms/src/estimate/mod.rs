@@ -28,3 +28,18 @@ pub struct Estimate {
     /// Temperature \[°C\].
     pub temperature_c: Real,
 }
+
+impl Estimate {
+    /// A rested battery of which nothing but this is known.
+    #[must_use]
+    pub const fn rested(soc: Real, soc_sd: Real, temperature_c: Real) -> Self {
+        Self {
+            soc,
+            soc_sd,
+            polarisation_v: [0.0; 2],
+            hysteresis: 0.0,
+            offset_v: 0.0,
+            temperature_c,
+        }
+    }
+}

@@ -1,4 +1,10 @@
 //! State of power: what may be drawn and charged over the next seconds.
+//!
+//! The largest current whose voltage, temperature and state of charge keep their limits under the
+//! battery's own equations, `v += (1 − e^(−t/τ))·(R·I − v)` stretch by stretch \[Plett2004Power,
+//! section III\]; that resistances, heat and hysteresis follow along is ours.
+//!
+//! Tests: `tests` below; on the plant in `tests/tests/bms_power.rs`.
 
 mod ahead;
 
@@ -8,15 +14,17 @@ use plant_core::num::{LARGEST, clamp, max, min, sane};
 use plant_core::{ParamError, Real};
 
 use crate::{Estimate, Health};
-use ahead::{Ahead, Horizon, Seen, Way};
+use ahead::{Ahead, Direction, Horizon, Seen};
 
 /// How many lengths of time a [`PowerLimits`] looks ahead.
 pub const HORIZONS: usize = 3;
-/// The usual ones \[s\].
+/// The usual ones \[s\]. Chosen: the pulses of data sheets are 2 to 30 s long.
 pub const HORIZONS_S: [Real; HORIZONS] = [2.0, 10.0, 30.0];
-/// Refinements of a current; a few are enough where the battery is close to linear.
+/// Refinements of a current; a few are enough where the battery is close to linear: the unit tests
+/// pass with 4.
 const ROUNDS: u32 = 16;
 /// A current is good enough when the voltage comes as close to its limit as this share of it.
+/// Chosen: 0.05 mV of a cell, below what a sensor resolves.
 const CLOSE_ENOUGH: Real = 2e-5;
 
 /// At constant power less flows early on than at constant current and the battery warms up less:
@@ -74,7 +82,7 @@ impl TemperatureWindow {
     }
 }
 
-/// The limits that a [`PowerLimits`] keeps beside the battery's largest currents.
+/// Parameters of [`PowerLimits`]: the limits kept beside the battery's largest currents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -100,14 +108,13 @@ pub struct PowerParams {
 
 /// The largest currents and powers that keep every limit for the next seconds.
 ///
-/// The battery's own equations are taken ahead under a constant current, in six stretches, each
+/// The battery's own equations are taken ahead under a constant current, in eight stretches, each
 /// in closed form: `v += (1 − e^(−t/τ))·(R·I − v)`, R the mean of both ends. State of charge,
 /// hysteresis, temperature, and with them resistances and open-circuit voltage, follow from stretch
 /// to stretch. The largest current whose voltage and temperature stay within their limits at the
 /// start and at the end of every stretch is found between zero and what the other limits allow, by
-/// the rule of false position (Dowell and Jarratt 1971, the "Illinois" form) in at most 16 rounds;
-/// what it settles for is on the safe side. (Plett 2004, "High-performance battery-pack power
-/// estimation using a dynamic cell model", IEEE Trans. Veh. Technol. 53, section III, bisects.)
+/// the rule of false position \[DowellJarratt1971, the "Illinois" form\] in at most 16 rounds;
+/// what it settles for is on the safe side. \[Plett2004Power, section III\] bisects.
 /// A longer horizon allows no more than a shorter one, whose stretches see what comes soon.
 ///
 /// The surroundings are taken to be as warm as the battery is now. On the plant with the parameters
@@ -117,6 +124,42 @@ pub struct PowerParams {
 ///
 /// It takes some thousand instructions for each horizon and direction: a matter for once a second,
 /// not for every step.
+///
+/// ```
+/// use plant_core::presets::PANASONIC_NCR18650PF;
+/// use plant_core::{MappedBattery, must};
+/// use voltstep_bms::estimate::power::{
+///     HORIZONS_S, PowerLimits, PowerParams, TemperatureWindow,
+/// };
+/// use voltstep_bms::{Dt, Estimate, Health};
+///
+/// const CELL: MappedBattery =
+///     must!(MappedBattery::new(PANASONIC_NCR18650PF, must!(Dt::from_s(1.0))));
+/// const WINDOW: TemperatureWindow = TemperatureWindow {
+///     none_below_c: -20.0,
+///     all_from_c: -10.0,
+///     all_to_c: 45.0,
+///     none_above_c: 60.0,
+/// };
+/// const PARAMS: PowerParams = PowerParams {
+///     voltage_min_v: 2.5,
+///     voltage_max_v: 4.2,
+///     soc_min: 0.05,
+///     soc_max: 0.98,
+///     soc_margin_sds: 2.0,
+///     horizons_s: HORIZONS_S,
+///     discharge_window: WINDOW,
+///     charge_window: WINDOW,
+/// };
+/// const LIMITS: PowerLimits = must!(PowerLimits::new(PARAMS, &CELL));
+///
+/// let at = |temperature_c| Estimate::rested(0.3, 0.01, temperature_c);
+/// let health = Health::as_new(&CELL);
+/// let ([short, _, long], [cold, ..]) =
+///     (LIMITS.ahead(&at(25.0), &health), LIMITS.ahead(&at(-5.0), &health));
+/// assert!(long.discharge.power_w <= short.discharge.power_w);
+/// assert!(cold.discharge.power_w < short.discharge.power_w); // the voltage falls further
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLimits<'b> {
     battery: &'b MappedBattery,
@@ -224,8 +267,8 @@ impl<'b> PowerLimits<'b> {
         // closest to its limit long before the end.
         let (mut discharge, mut charge) = (Allowance::ANY, Allowance::ANY);
         self.horizons.map(|horizon| {
-            discharge = self.allow(&horizon, Way::Discharge, discharge, estimate, health);
-            charge = self.allow(&horizon, Way::Charge, charge, estimate, health);
+            discharge = self.allow(&horizon, Direction::Discharge, discharge, estimate, health);
+            charge = self.allow(&horizon, Direction::Charge, charge, estimate, health);
             PowerAhead { horizon_s: horizon.seconds(), discharge, charge }
         })
     }
@@ -234,7 +277,7 @@ impl<'b> PowerLimits<'b> {
     fn allow(
         &self,
         horizon: &Horizon,
-        way: Way,
+        direction: Direction,
         shorter: Allowance,
         estimate: &Estimate,
         health: &Health,
@@ -254,14 +297,14 @@ impl<'b> PowerLimits<'b> {
             return Allowance::NONE;
         }
         let margin = limits.soc_margin_sds * estimate.soc_sd;
-        let (largest_a, window, soc_room, limit_v) = match way {
-            Way::Discharge => (
+        let (largest_a, window, soc_room, limit_v) = match direction {
+            Direction::Discharge => (
                 known.discharge_limit_a,
                 &limits.discharge_window,
                 estimate.soc - margin - limits.soc_min,
                 limits.voltage_min_v,
             ),
-            Way::Charge => (
+            Direction::Charge => (
                 known.charge_limit_a,
                 &limits.charge_window,
                 limits.soc_max - margin - estimate.soc,
@@ -281,10 +324,10 @@ impl<'b> PowerLimits<'b> {
             }
         }
 
-        let ahead = Ahead::new(self.battery, horizon, estimate, health, way);
+        let ahead = Ahead::new(self.battery, horizon, estimate, health, direction);
         let look = |current_a: Real| {
             let seen = ahead.under(current_a);
-            let room_v = way.sign() * (seen.closest_v - limit_v);
+            let room_v = direction.sign() * (seen.closest_v - limit_v);
             let room_k = window.none_above_c - seen.hottest_c;
             // A kelvin weighs as a volt does: in the end only the sign matters.
             if room_k < room_v {
@@ -331,7 +374,7 @@ fn between(look: impl Fn(Real) -> Look, low: Look, high: Look, close_enough: Rea
             break;
         }
         let share = low_weight / (low_weight - high_weight);
-        // Never quite to an end; halfway where the quotient is none.
+        // Never quite to an end; the middle where the quotient is none.
         let share = if share > 0.0 && share < 1.0 { clamp(share, 0.01, 0.99) } else { 0.5 };
         let next = look(best.current_a + share * (high_a - best.current_a));
         if next.room >= 0.0 {

@@ -1,4 +1,6 @@
 //! What is measured on a pack, and how far it can be believed.
+//!
+//! It is ours. Tests: below.
 
 use plant_core::num::{max, min, sane};
 use plant_core::{Dt, Real};

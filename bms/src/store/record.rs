@@ -8,6 +8,9 @@
 //! A slot is [`LENGTH`] bytes, little-endian: `"VS"`, version, flags, sequence number, nine
 //! single-precision numbers in the order of [`Record`]'s fields, the time, twelve bytes of zero,
 //! and the CRC-32C of all that.
+//!
+//! The layout is ours. Tests: `tests` below; on a simulated flash memory in
+//! `tests/tests/bms_pack/record.rs`.
 
 use crc::{CRC_32_ISCSI, Crc, NoTable};
 use plant_core::error::{check, not_negative, positive, ratio};
@@ -27,11 +30,35 @@ pub const VERSION: u8 = 1;
 /// Flag: the time is known.
 const TIMED: u8 = 1;
 
-/// Castagnoli's polynomial: at this length it finds any 5 wrong bits (Koopman 2002), and any
+/// Castagnoli's polynomial: at this length it finds any 5 wrong bits \[Koopman2002\], and any
 /// within 32 neighbours. Without a table: a record is written seldom.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
 /// What is worth knowing after a power cut. Kept in single precision.
+///
+/// ```
+/// use voltstep_bms::store::record::{Found, LENGTH, Record, Slot};
+///
+/// let record = Record {
+///     soc: 0.63,
+///     soc_sd: 0.01,
+///     capacity_ah: 57.0,
+///     capacity_sd_ah: 0.6,
+///     resistance_factor: 1.2,
+///     resistance_factor_sd: 0.02,
+///     current_offset_a: 0.05,
+///     current_offset_sd_a: 0.01,
+///     throughput_ah: 12_000.0,
+///     written_at_s: None,
+/// };
+/// let (older, mut newer) = (record.encode(7)?, record.encode(8)?);
+/// newer[LENGTH / 2] ^= 1; // memory gone bad
+/// let found = Found::in_slots(&older, &newer);
+/// assert!(found.damaged);
+/// let stored = found.newest.expect("the older record is whole");
+/// assert_eq!((stored.slot, stored.record), (Slot::First, record));
+/// # Ok::<(), voltstep_bms::ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

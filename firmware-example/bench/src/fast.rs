@@ -35,6 +35,22 @@ pub fn along((low, high): (f32, f32), n: u32, of: u32) -> f32 {
     low + (high - low) * (n as f32 / of as f32)
 }
 
+/// Calls each function along its range, on these stacks.
+#[macro_export]
+macro_rules! call_functions {
+    ($num_sqrt:ident, $fast_sqrt:ident, $num_exp:ident, $fast_exp:ident) => {
+        for n in 0..=$crate::fast::COUNTED {
+            let x =
+                $crate::fast::along(plant_core::num::fast::SQRT_RANGE, n, $crate::fast::COUNTED);
+            $crate::call!($num_sqrt, $crate::fast::bench_num_sqrt, &mut (), &x);
+            $crate::call!($fast_sqrt, $crate::fast::bench_fast_sqrt, &mut (), &x);
+            let x = $crate::fast::along(plant_core::num::fast::EXP_RANGE, n, $crate::fast::COUNTED);
+            $crate::call!($num_exp, $crate::fast::bench_num_exp, &mut (), &x);
+            $crate::call!($fast_exp, $crate::fast::bench_fast_exp, &mut (), &x);
+        }
+    };
+}
+
 /// Says, for each function, the range and the largest relative error found there.
 pub fn say_errors() {
     let sqrt = largest(fast::SQRT_RANGE, fast::sqrt, num::sqrt);

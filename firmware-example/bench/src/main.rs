@@ -9,11 +9,11 @@ mod worst;
 use cortex_m_rt::entry;
 use panic_halt as _;
 use plant_core::auxiliary::AuxiliaryInput;
-use plant_core::battery::{BatteryInput, BatteryState, RcBranchInput, RcBranchState};
+use plant_core::battery::{BatteryInput, MappedBatteryInput, RcBranchInput};
 use plant_core::control::driver::{DriverInput, DriverState};
-use plant_core::control::pid::{PidInput, PidState};
+use plant_core::control::pid::PidInput;
 use plant_core::converter::ConverterInput;
-use plant_core::machine::dc::{DcMotorInput, DcMotorState};
+use plant_core::machine::dc::DcMotorInput;
 use plant_core::mechanics::body::{BodyInput, BodyState};
 use plant_core::mechanics::gearbox::GearboxInput;
 use plant_core::mechanics::rotational::{
@@ -21,7 +21,6 @@ use plant_core::mechanics::rotational::{
 };
 use plant_core::mechanics::slope::{SlopeInput, SlopeState};
 use plant_core::mechanics::wheel::WheelInput;
-use plant_core::num::fast::{EXP_RANGE, SQRT_RANGE};
 use plant_core::powertrain::PowertrainInput;
 use plant_core::signal::sensors::{
     AxialSpeedSensorInput, AxialSpeedSensorState, CurrentSensorInput, VoltageSensorInput,
@@ -29,12 +28,15 @@ use plant_core::signal::sensors::{
 use plant_core::signal::sources::{PhaseState, TimeTableState};
 use voltstep_bms::estimate::coulomb::CoulombInput;
 use voltstep_trace::{
-    BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
+    BLOCKS, BMW_I3, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, REFERENCE, STEPS_PER_BLOCK,
 };
 
+use voltstep_bench::common::Common;
 use voltstep_bench::estimators::{self, Estimators};
 use voltstep_bench::pids::{Apart, Pids, say_hard_cases};
-use voltstep_bench::{call, call_uncounted, end, fast, hprintln, items, painted, pids, report};
+use voltstep_bench::{
+    call, call_functions, call_uncounted, end, fast, hprintln, items, painted, pids, report,
+};
 
 /// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
 const WHEEL_RAD_PER_M: f32 = 2.94;
@@ -57,8 +59,11 @@ fn run() -> Option<()> {
         plant_pid_on,
         plant_torque_off,
         plant_torque_on,
+        plant_mapped_off,
+        plant_mapped_on,
         powertrain,
         battery,
+        mapped_battery,
         rc_branch,
         auxiliary,
         converter,
@@ -93,21 +98,17 @@ fn run() -> Option<()> {
         kalman,
         deep
     );
-    let mut clock = TimeTableState::default();
-    let mut pid_off = EPOWERTRAIN.start().ok()?;
-    let mut pid_on = EPOWERTRAIN_LEDGER.start().ok()?;
-    let mut torque_off = BMW_I3.start().ok()?;
-    let mut torque_on = BMW_I3_LEDGER.start().ok()?;
-    let mut plant = torque_off.plant;
-    let mut battery_state = BatteryState::rested(0.9).ok()?;
-    let mut rc_state = RcBranchState::default();
-    let mut motor_state = DcMotorState::default();
+    let mut common = Common::new()?;
+    let mut torque_on = BMW_I3_CONSTANT_LEDGER.start().ok()?;
+    let mut mapped_off = BMW_I3.start().ok()?;
+    let mut mapped_on = BMW_I3_LEDGER.start().ok()?;
+    let mut plant = common.torque_off.plant;
+    let mut mapped_state = mapped_off.plant.battery;
     let (mut gearbox_state, mut wheel_state) = (0.0, 0.0);
     let mut body_state = BodyState::default();
     let mut load_state = RotationalLoadState::default();
     let mut axis_state = AxisState::default();
     let mut slope_state = SlopeState::starting_at(0.0, 0.0);
-    let mut pid_state = PidState::default();
     let mut driver_state = DriverState::default();
     let mut speed_sensor_state = AxialSpeedSensorState::default();
     let mut table_state = TimeTableState::default();
@@ -127,39 +128,43 @@ fn run() -> Option<()> {
     let mut pack = Estimators::new()?;
 
     for step in 0..BLOCKS * STEPS_PER_BLOCK {
-        let reference = REFERENCE.step(&mut clock, ());
+        let reference = REFERENCE.step(&mut common.clock, ());
         call!(nothing, items::bench_nothing, &mut (), &());
-        call!(plant_pid_off, items::bench_plant_pid_off, &mut pid_off, &reference);
-        call!(plant_pid_on, items::bench_plant_pid_on, &mut pid_on, &reference);
-        let seen = torque_off.seen;
+        call!(plant_pid_off, items::bench_plant_pid_off, &mut common.pid_off, &reference);
+        call!(plant_pid_on, items::bench_plant_pid_on, &mut common.pid_on, &reference);
+        let seen = common.torque_off.seen;
         let driven = DriverInput {
             reference_m_s: reference.value,
             reference_m_s2: reference.rate_per_s,
             vehicle: seen,
         };
         call!(torque_driver, items::bench_torque_driver, &mut driver_state, &driven);
-        call!(plant_torque_off, items::bench_plant_torque_off, &mut torque_off, &reference);
+        call!(plant_torque_off, items::bench_plant_torque_off, &mut common.torque_off, &reference);
         call!(plant_torque_on, items::bench_plant_torque_on, &mut torque_on, &reference);
+        call!(plant_mapped_off, items::bench_plant_mapped_off, &mut mapped_off, &reference);
+        call!(plant_mapped_on, items::bench_plant_mapped_on, &mut mapped_on, &reference);
 
         // The components on what the car does.
-        let seen = torque_off.seen;
+        let seen = common.torque_off.seen;
         let (v, i) = (seen.speed_m_s, seen.motor_a);
         let wheel_rad_s = WHEEL_RAD_PER_M * v;
         let motor_rad_s = RATIO * wheel_rad_s;
         let motor_nm = 0.27 * i;
         let current_a = seen.duty * i;
-        let distance_m = torque_off.plant.body.distance_m.get();
+        let distance_m = common.torque_off.plant.body.distance_m.get();
         let input = PowertrainInput { duty: seen.duty, ..PowertrainInput::default() };
         call!(powertrain, items::bench_powertrain, &mut plant, &input);
-        call!(battery, items::bench_battery, &mut battery_state, &BatteryInput { current_a });
+        call!(battery, items::bench_battery, &mut common.battery, &BatteryInput { current_a });
+        let input = MappedBatteryInput { current_a };
+        call!(mapped_battery, items::bench_mapped_battery, &mut mapped_state, &input);
         let input = RcBranchInput { discharge_a: current_a };
-        call!(rc_branch, items::bench_rc_branch, &mut rc_state, &input);
+        call!(rc_branch, items::bench_rc_branch, &mut common.rc_branch, &input);
         let input = AuxiliaryInput { voltage_v: seen.battery_v, power_w: 100.0 };
         call!(auxiliary, items::bench_auxiliary, &mut (), &input);
         let input = ConverterInput { duty: seen.duty, input_v: seen.battery_v, output_a: i };
         call!(converter, items::bench_converter, &mut (), &input);
         let input = DcMotorInput { voltage_v: seen.duty * seen.battery_v, load_nm: 0.5 * motor_nm };
-        call!(dc_motor, items::bench_dc_motor, &mut motor_state, &input);
+        call!(dc_motor, items::bench_dc_motor, &mut common.dc_motor, &input);
         let input = GearboxInput { motor_nm, wheel_rad_s };
         call!(gearbox, items::bench_gearbox, &mut gearbox_state, &input);
         let input = WheelInput { axle_nm: RATIO * motor_nm, speed_m_s: v };
@@ -174,7 +179,7 @@ fn run() -> Option<()> {
         let input = SlopeInput { height_m: 0.01 * distance_m, distance_m };
         call!(slope, items::bench_slope, &mut slope_state, &input);
         let input = PidInput { reference: reference.value, measurement: v };
-        call!(pid, items::bench_pid, &mut pid_state, &input);
+        call!(pid, items::bench_pid, &mut common.pid, &input);
         pis!(&input);
         apart.look(uncounted.step(input));
         let input = VoltageSensorInput { voltage_v: seen.battery_v };
@@ -204,14 +209,7 @@ fn run() -> Option<()> {
     for n in 0..pids::SATURATED {
         pis!(&pids::saturating(n));
     }
-    for n in 0..=fast::COUNTED {
-        let x = fast::along(SQRT_RANGE, n, fast::COUNTED);
-        call!(num_sqrt, fast::bench_num_sqrt, &mut (), &x);
-        call!(fast_sqrt, fast::bench_fast_sqrt, &mut (), &x);
-        let x = fast::along(EXP_RANGE, n, fast::COUNTED);
-        call!(num_exp, fast::bench_num_exp, &mut (), &x);
-        call!(fast_exp, fast::bench_fast_exp, &mut (), &x);
-    }
+    call_functions!(num_sqrt, fast_sqrt, num_exp, fast_exp);
     fast::say_errors();
     apart.say();
     pack.say();
@@ -221,14 +219,17 @@ fn run() -> Option<()> {
     worst::plant_pid_on(&mut plant_pid_on)?.say("plant_pid_on");
     worst::plant_torque_off(&mut plant_torque_off)?.say("plant_torque_off");
     worst::plant_torque_on(&mut plant_torque_on)?.say("plant_torque_on");
+    worst::plant_mapped_off(&mut plant_mapped_off)?.say("plant_mapped_off");
+    worst::plant_mapped_on(&mut plant_mapped_on)?.say("plant_mapped_on");
     call_uncounted!(deep, worst::deep as extern "C" fn(&mut (), &(), &mut ()), &mut (), &());
 
     report!(
-        deep: (), nothing: (), plant_pid_off: pid_off, plant_pid_on: pid_on, plant_torque_off: torque_off,
-        plant_torque_on: torque_on, powertrain: plant, battery: battery_state,
-        rc_branch: rc_state, auxiliary: (), converter: (), dc_motor: motor_state,
+        deep: (), nothing: (), plant_pid_off: common.pid_off, plant_pid_on: common.pid_on, plant_torque_off: common.torque_off,
+        plant_torque_on: torque_on, plant_mapped_off: mapped_off, plant_mapped_on: mapped_on,
+        powertrain: plant, battery: common.battery, mapped_battery: mapped_state,
+        rc_branch: common.rc_branch, auxiliary: (), converter: (), dc_motor: common.dc_motor,
         gearbox: gearbox_state, wheel: wheel_state, body: body_state,
-        rotational_load: load_state, axis: axis_state, slope: slope_state, pid: pid_state,
+        rotational_load: load_state, axis: axis_state, slope: slope_state, pid: common.pid,
         torque_driver: driver_state, voltage_sensor: (), current_sensor: (),
         speed_sensor: speed_sensor_state, time_table: table_state, sine: sine_state,
         pi: controllers.ours, pi_ram: controllers.ours_ram, pi_pid: controllers.pid,
@@ -237,6 +238,6 @@ fn run() -> Option<()> {
         ekf_update: pack.ekf, ekf_refresh: (), counter_step: pack.counter, counter_review: (),
         cells: pack.cells, kalman: pack.kalman,
     );
-    hprintln!("soc {} {}", pid_off.seen.soc, torque_off.seen.soc);
+    hprintln!("soc {} {}", common.pid_off.seen.soc, common.torque_off.seen.soc);
     Some(())
 }

@@ -36,6 +36,23 @@ macro_rules! painted {
 #[macro_export]
 macro_rules! call {
     ($stack:ident, $item:path, $state:expr, $input:expr) => {
+        $crate::on_stack!($stack, $item, $state, $input, "bl {item}", sym $item)
+    };
+}
+
+/// The same for a call that is not to be counted: the plugin looks for `bl`.
+#[macro_export]
+macro_rules! call_uncounted {
+    ($stack:expr, $item:expr, $state:expr, $input:expr) => {
+        $crate::on_stack!($stack, $item, $state, $input, "blx {item}", in(reg) $item)
+    };
+}
+
+/// Both of them: the branch, and how the assembler gets at the item.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! on_stack {
+    ($stack:expr, $item:expr, $state:expr, $input:expr, $branch:literal, $($operand:tt)+) => {
         $crate::stack::with_types($item, $state, $input, |state, input, output| {
             // SAFETY: the arguments are those of the function, by its type; its stack is large
             // enough, which `used` shows, and nothing else uses it; no interrupt is on.
@@ -43,10 +60,10 @@ macro_rules! call {
                 core::arch::asm!(
                     "mov r4, sp",
                     "mov sp, {top}",
-                    "bl {item}",
+                    $branch,
                     "mov sp, r4",
                     top = in(reg) $stack.top(),
-                    item = sym $item,
+                    item = $($operand)+,
                     in("r0") state,
                     in("r1") input,
                     in("r2") output,
@@ -63,34 +80,6 @@ macro_rules! call {
                     #[cfg(target_abi = "eabihf")] lateout("d5") _,
                     #[cfg(target_abi = "eabihf")] lateout("d6") _,
                     #[cfg(target_abi = "eabihf")] lateout("d7") _,
-                );
-            }
-        })
-    };
-}
-
-/// The same for a call that is not to be counted: the plugin looks for `bl`.
-#[macro_export]
-macro_rules! call_uncounted {
-    ($stack:expr, $item:expr, $state:expr, $input:expr) => {
-        $crate::stack::with_types($item, $state, $input, |state, input, output| {
-            // SAFETY: as in `call`.
-            unsafe {
-                core::arch::asm!(
-                    "mov r4, sp",
-                    "mov sp, {top}",
-                    "blx {item}",
-                    "mov sp, r4",
-                    top = in(reg) $stack.top(),
-                    item = in(reg) $item,
-                    in("r0") state,
-                    in("r1") input,
-                    in("r2") output,
-                    out("r4") _,
-                    lateout("r0") _, lateout("r1") _, lateout("r2") _, lateout("r3") _,
-                    lateout("r12") _, lateout("lr") _,
-                    lateout("d0") _, lateout("d1") _, lateout("d2") _, lateout("d3") _,
-                    lateout("d4") _, lateout("d5") _, lateout("d6") _, lateout("d7") _,
                 );
             }
         })

@@ -119,7 +119,7 @@ fn components() {
 #[rustfmt::skip]
 fn drive() {
     keep!(
-        Driver::new, Driver::step, TorqueDriver::new, TorqueDriver::step,
+        Driver::new::<BatteryParams>, Driver::step, TorqueDriver::new::<BatteryParams>, TorqueDriver::step,
         Foc::new, Foc::step, FocState::lacking_v, Torque::currents,
         PidState::integral, PidState::output, PidState::reset,
         Pid::new, Pid::preload, Pid::feed_back, Pid::saturate, Pid::step,

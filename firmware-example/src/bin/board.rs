@@ -2,7 +2,7 @@
 #![no_main]
 //! The same vehicle on a board, Nucleo-F411RE, as hardware in the loop: a potentiometer at PA0
 //! (A0) sets the speed to follow, 0 to 30 m/s; the speed reached comes out as a PWM at PA8 (D7),
-//! full scale 40 m/s. A timer gives the 1 kHz.
+//! full scale 40 m/s. A timer gives the 1 kHz; steps that are not over at the next tick are counted.
 //!
 //! ```text
 //! cargo build --release --no-default-features --features board --bin board
@@ -16,20 +16,31 @@ use panic_halt as _;
 use plant_core::num::clamp;
 use plant_core::powertrain::ledger::NoLedger;
 use plant_core::signal::sources::TimeTableOutput;
+use stm32f4xx_hal::ReadFlags;
 use stm32f4xx_hal::adc::Adc;
-use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
+use stm32f4xx_hal::adc::config::{AdcConfig, Clock, SampleTime};
 use stm32f4xx_hal::gpio::{Analog, PA0};
 use stm32f4xx_hal::pac::{self, ADC1, TIM2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
-use stm32f4xx_hal::timer::CounterUs;
-use voltstep_trace::{BMW_I3, Rig, RigState};
+use stm32f4xx_hal::timer::{CounterUs, Flag};
+use voltstep_trace::{BMW_I3_CONSTANT, Overruns, Rig, RigState};
 
-const RIG: Rig<NoLedger> = BMW_I3;
+const RIG: Rig<NoLedger> = BMW_I3_CONSTANT;
 const PEDAL_FULL_M_S: f32 = 30.0;
 const METER_FULL_M_S: f32 = 40.0;
 const ADC_FULL: f32 = 4095.0;
 const STEPS_PER_LINE: u32 = 1000;
+
+const SYSTEM_MHZ: u32 = 84;
+/// The bus of the ADC, which may run as fast as the system.
+const PCLK2_MHZ: u32 = SYSTEM_MHZ;
+const ADC_CLOCK: Clock = Clock::Pclk2_div_4;
+/// The most that the data sheet of the STM32F411 allows at a supply of 2.4 V and more (the board
+/// has 3.3 V); below that it is 18 MHz.
+const ADC_MOST_MHZ: u32 = 36;
+/// The prescaler's field counts in twos from a half.
+const _: () = assert!(PCLK2_MHZ / (2 * (ADC_CLOCK as u32 + 1)) <= ADC_MOST_MHZ);
 
 /// What the loop needs of a board; the speedometer is any PWM channel.
 struct Board<P> {
@@ -43,6 +54,11 @@ impl<P: SetDutyCycle> Board<P> {
     /// Waits for the next millisecond.
     fn wait(&mut self) {
         while self.tick.wait().is_err() {}
+    }
+
+    /// Whether the next tick has come already.
+    fn tick_pending(&self) -> bool {
+        self.tick.flags().contains(Flag::Update)
     }
 
     /// The speed that the pedal asks for \[m/s\].
@@ -75,7 +91,7 @@ fn main() -> ! {
 }
 
 fn run(device: pac::Peripherals, mut state: RigState<NoLedger>) {
-    let mut rcc = device.RCC.freeze(Config::hsi().sysclk(84.MHz()));
+    let mut rcc = device.RCC.freeze(Config::hsi().sysclk(SYSTEM_MHZ.MHz()).pclk2(PCLK2_MHZ.MHz()));
     let pins = device.GPIOA.split(&mut rcc);
     let (_, (channel, ..)) = device.TIM1.pwm_hz(1.kHz(), &mut rcc);
     let mut meter = channel.with(pins.pa8);
@@ -84,10 +100,11 @@ fn run(device: pac::Peripherals, mut state: RigState<NoLedger>) {
     if tick.start(1.millis()).is_err() {
         return;
     }
-    let adc = Adc::new(device.ADC1, true, AdcConfig::default(), &mut rcc);
+    let adc = Adc::new(device.ADC1, true, AdcConfig::default().clock(ADC_CLOCK), &mut rcc);
     let mut board = Board { tick, adc, pedal: pins.pa0.into_analog(), meter };
 
     let mut steps: u32 = 0;
+    let mut overruns = Overruns::default();
     loop {
         board.wait();
         let value = board.reference_m_s();
@@ -99,12 +116,14 @@ fn run(device: pac::Peripherals, mut state: RigState<NoLedger>) {
         steps = steps.wrapping_add(1);
         if steps.is_multiple_of(STEPS_PER_LINE) || !accepted {
             defmt::info!(
-                "reference {=f32} m/s, speed {=f32} m/s, soc {=f32}, accepted {=bool}",
+                "reference {=f32} m/s, speed {=f32} m/s, soc {=f32}, accepted {=bool}, late {=u32}",
                 value,
                 state.seen.speed_m_s,
                 state.seen.soc,
-                accepted
+                accepted,
+                overruns.count()
             );
         }
+        overruns.step_ended(board.tick_pending());
     }
 }

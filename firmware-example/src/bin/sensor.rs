@@ -7,22 +7,20 @@
 //! The measurement is made here: a pack whose series resistance is 20 % above the model's and
 //! whose cells started 2 % fuller, under a pulsed load, read with the resolution of an ADC.
 
-// For its critical section.
-use cortex_m as _;
 use cortex_m_rt::entry;
-use defmt_semihosting as _;
 use panic_halt as _;
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
-use plant_core::presets::BMW_I3_60AH;
+use plant_core::presets::BMW_I3_60AH_CONSTANT;
 use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
 use plant_core::{Dt, must};
 use semihosting::process::ExitCode;
+use semihosting::{eprintln, println};
 
 const DT: Dt = must!(Dt::from_s(0.01));
 const STEPS_PER_S: u32 = 100;
-const MODEL_PARAMS: BatteryParams = BMW_I3_60AH.powertrain.battery;
+const MODEL_PARAMS: BatteryParams = BMW_I3_60AH_CONSTANT.powertrain.battery;
 const MODEL: Battery = must!(Battery::new(MODEL_PARAMS, DT));
 
 /// The pack itself.
@@ -52,7 +50,7 @@ fn main() -> ! {
     let (Ok(mut pack), Ok(mut model)) =
         (BatteryState::rested(PACK_SOC), BatteryState::rested(MODEL_SOC))
     else {
-        defmt::error!("a state of charge is no ratio");
+        eprintln!("a state of charge is no ratio");
         ExitCode::FAILURE.exit_process();
     };
     let mut squares = 0.0;
@@ -73,8 +71,8 @@ fn main() -> ! {
             squares += residual_v * residual_v;
         }
         if second % 60 == 59 {
-            defmt::info!(
-                "t {=u32} s  current {=f32} A  soc {=f32} (pack {=f32})  residual {=f32} V",
+            println!(
+                "t {} s  current {} A  soc {:.4} (pack {:.4})  residual {:.2} V",
                 second + 1,
                 true_a,
                 model.soc.get(),
@@ -85,7 +83,7 @@ fn main() -> ! {
     }
     #[allow(clippy::cast_precision_loss, reason = "a small number")]
     let mean_square = squares / (END_S * STEPS_PER_S) as f32;
-    defmt::info!("residual, rms: {=f32} V", plant_core::num::sqrt(mean_square));
+    println!("residual, rms: {:.2} V", plant_core::num::sqrt(mean_square));
     ExitCode::SUCCESS.exit_process();
 }
 

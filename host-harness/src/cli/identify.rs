@@ -2,21 +2,15 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use anyhow::{Context, ensure};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::identify::{self, Options};
-
 use crate::read::battery;
-use crate::show::files;
+use crate::show::progress::Spinner;
+use crate::show::{files, identified};
 
-/// How often the progress on a terminal moves.
-const MOVES_EVERY: Duration = Duration::from_millis(100);
-
-/// What `voltstep identify battery` takes.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Trip files, or tests of one cell (`time_s,current_a,voltage_v,discharged_ah,…`); a folder
@@ -58,12 +52,12 @@ pub struct Arguments {
 /// Set by Ctrl-C; the work ends at its next step.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Identifies, writes the file where one is wanted, and gives what to print.
+/// Identifies, writes the file where one is wanted, and prints.
 ///
 /// # Errors
 /// Bad input, measurements that tell no battery, a file that cannot be written, an interruption:
 /// each leaves an earlier file as it was.
-pub fn run(arguments: Arguments) -> anyhow::Result<String> {
+pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     for (name, value) in [
         ("--capacity-ah", arguments.capacity_ah),
         ("--discharge-limit-a", Some(arguments.discharge_limit_a)),
@@ -73,21 +67,14 @@ pub fn run(arguments: Arguments) -> anyhow::Result<String> {
     }
     // A second handler is refused; the first one does as well.
     let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
-    let paths = identify::files(&arguments.inputs)?;
     let options = options(&arguments);
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(MOVES_EVERY);
+    let spinner = Spinner::new();
     let tick = |stage: &str| {
         ensure!(!INTERRUPTED.load(Ordering::Relaxed), "interrupted; nothing was written");
-        bar.set_message(stage.to_owned());
+        spinner.stage(stage);
         Ok(())
     };
-    let found = identify::identify(&paths, options, &tick);
-    bar.finish_and_clear();
-    let found = found?;
+    let found = identify::identify(&arguments.inputs, options, &tick)?;
     let text = found.to_toml();
     // What was found must be a battery.
     battery::parse("the identified battery", text.as_bytes())?;
@@ -100,7 +87,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<String> {
         tick("writing")?;
         files::write_all(folder, &[(file, text.into_bytes())])?;
     }
-    if arguments.json { found.to_json() } else { Ok(found.table()) }
+    drop(spinner);
+    let json = arguments.json;
+    super::print(&if json { identified::json(&found)? } else { identified::render(&found) })?;
+    Ok(true)
 }
 
 fn options(arguments: &Arguments) -> Options {

@@ -9,12 +9,10 @@ use plant_core::battery::{MappedBattery, MappedBatteryInput, MappedBatteryState}
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::number;
-use super::statistics::{Spread, Summary, spread};
-use crate::read::battery::{self, BatteryFile};
-use crate::read::cell::{self, CellRecord, Kind};
-use crate::show::table::table;
-use crate::simulate::replay;
+use crate::read::battery::BatteryFile;
+use crate::read::cell::{CellRecord, Kind};
+use crate::read::input;
+use crate::simulate::statistics::{Spread, Spreads, spread};
 
 /// The built-in cell that is compared where none is named.
 pub const DEFAULT_CELL: &str = "panasonic-ncr18650pf";
@@ -23,7 +21,7 @@ const CHAMBER_K: f64 = 5.0;
 
 /// How far one drive cycle is from its measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct CellRow {
     /// The file.
     pub name: String,
     /// Temperature of the surroundings \[°C\].
@@ -44,22 +42,22 @@ pub struct Row {
 
 /// Every drive cycle of a folder.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct CellsReport {
     /// The cell's name.
     pub cell: String,
     /// The step \[s\].
     pub dt_s: f64,
     /// A row for each drive cycle.
-    pub cells: Vec<Row>,
+    pub cells: Vec<CellRow>,
     /// The spreads of the rows.
-    pub summary: Summary,
+    pub summary: Spreads,
     /// Files that are no drive cycle, and why.
     pub skipped: Vec<String>,
     /// How long it took, reading included \[s\].
     pub wall_s: f64,
 }
 
-type Figure = (&'static str, fn(&Row) -> Option<f64>);
+type Figure = (&'static str, fn(&CellRow) -> Option<f64>);
 
 const FIGURES: [Figure; 4] = [
     ("voltage_rmse_mv", |r| Some(r.voltage_rmse_mv)),
@@ -68,21 +66,18 @@ const FIGURES: [Figure; 4] = [
     ("temperature_rmse_k", |r| r.temperature_rmse_k),
 ];
 
-/// Runs a cell on every drive cycle of a folder.
+/// Runs a cell on every drive cycle of a folder, in steps of `dt_s`.
 ///
 /// # Errors
-/// A folder without cell files, a file that is none, a cell that cannot be read.
-pub fn run(folder: &Path, cell: &str, dt_ms: f64) -> anyhow::Result<Report> {
+/// A folder without cell files, a file that is none.
+pub fn run(folder: &Path, cell: &BatteryFile, dt_s: f64) -> anyhow::Result<CellsReport> {
     let started = std::time::Instant::now();
-    let cell = battery::load(cell)?;
-    replay::check_step(dt_ms)?;
-    let dt_s = dt_ms / 1000.0;
-    let found: anyhow::Result<Vec<Result<Row, String>>> = super::csv_files(folder)?
+    let found: anyhow::Result<Vec<Result<CellRow, String>>> = input::csv_files(folder)?
         .par_iter()
         .map(|path| {
-            let record = cell::read(path)?;
+            let record = input::cell(path)?;
             match record.kind(f64::from(cell.battery.capacity_ah)) {
-                (Kind::Cycle, _) => Ok(Ok(row(&cell, &record, dt_s)?)),
+                (Kind::Cycle, _) => Ok(Ok(row(cell, &record, dt_s)?)),
                 (_, why) => Ok(Err(format!("{}: {why}", record.name))),
             }
         })
@@ -97,9 +92,9 @@ pub fn run(folder: &Path, cell: &str, dt_ms: f64) -> anyhow::Result<Report> {
     anyhow::ensure!(!cells.is_empty(), "{}: no drive cycle in it", folder.display());
     let spreads: Vec<Spread> =
         FIGURES.iter().filter_map(|(name, pick)| spread(name, cells.iter().map(pick))).collect();
-    let summary = Summary { count: cells.len(), spreads };
+    let summary = Spreads { count: cells.len(), spreads };
     let wall_s = started.elapsed().as_secs_f64();
-    Ok(Report { cell: cell.name, dt_s, cells, summary, skipped, wall_s })
+    Ok(CellsReport { cell: cell.name.clone(), dt_s, cells, summary, skipped, wall_s })
 }
 
 /// A sum of squares over the samples that have both.
@@ -123,7 +118,7 @@ impl Squares {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the model computes in f32")]
-fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Row> {
+fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<CellRow> {
     let battery = MappedBattery::new(cell.battery, Dt::from_s(dt_s as f32)?)?;
     let capacity_ah = f64::from(cell.battery.capacity_ah);
     let first_c = record.cell_c.first().copied().context("an empty record")?;
@@ -182,73 +177,21 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Row
     }
     if outside > 0 {
         #[expect(clippy::cast_precision_loss, reason = "a count")]
-        let share = 100.0 * outside as f64 / record.len() as f64;
+        let share = 100.0 * outside as f64 / record.time_s.len() as f64;
         notes.push(format!("{share:.0} % of the samples lie outside the identified range"));
     }
     if refused_c > 0.0 {
         notes.push("the cell's current limits refused part of the measured current".to_owned());
     }
     let has_node = cell.battery.thermal.heat_capacity_j_per_k.is_finite();
-    Ok(Row {
+    Ok(CellRow {
         name: record.name.clone(),
         ambient_c,
-        soc_end: record.soc(record.len() - 1, capacity_ah),
+        soc_end: record.soc(record.time_s.len() - 1, capacity_ah),
         voltage_rmse_mv: squares[0].rms().context("no sample to compare")?,
         voltage_rmse_mv_above_15_soc: squares[1].rms(),
         voltage_rmse_mv_above_25_soc: squares[2].rms(),
         temperature_rmse_k: if has_node { warmth.rms() } else { None },
         notes,
     })
-}
-
-impl Report {
-    /// For a terminal.
-    #[must_use]
-    pub fn table(&self) -> String {
-        let mut rows = table(&[
-            "drive cycle",
-            "ambient [°C]",
-            "SOC at the end [%]",
-            "voltage [mV]",
-            "above 15 % [mV]",
-            "above 25 % [mV]",
-            "temperature [K]",
-        ]);
-        for r in &self.cells {
-            rows.add_row([
-                r.name.clone(),
-                format!("{:.1}", r.ambient_c),
-                format!("{:.1}", 100.0 * r.soc_end),
-                number(Some(r.voltage_rmse_mv), 1),
-                number(r.voltage_rmse_mv_above_15_soc, 1),
-                number(r.voltage_rmse_mv_above_25_soc, 1),
-                number(r.temperature_rmse_k, 2),
-            ]);
-        }
-        let mut text = format!("{rows}\nRMS of simulated minus measured\n");
-        for r in &self.cells {
-            for note in &r.notes {
-                text += &format!("{}: {note}\n", r.name);
-            }
-        }
-        for why in &self.skipped {
-            text += &format!("no drive cycle: {why}\n");
-        }
-        text + &format!(
-            "{} in steps of {} ms, in {:.1} s\n",
-            self.cell,
-            1000.0 * self.dt_s,
-            self.wall_s
-        )
-    }
-
-    /// The JSON text, with a line end.
-    ///
-    /// # Errors
-    /// None that is known of.
-    pub fn to_json(&self) -> anyhow::Result<String> {
-        let mut text = serde_json::to_string_pretty(self).context("writing JSON")?;
-        text.push('\n');
-        Ok(text)
-    }
 }

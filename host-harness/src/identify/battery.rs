@@ -1,4 +1,4 @@
-//! `voltstep identify battery`, end to end.
+//! The identification of a battery, end to end.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ const DELAY_SAMPLING_S: f64 = 1.0;
 /// A second branch this much slower than the first, at least.
 const APART: f64 = 1.5;
 
-/// What the command line says.
+/// What is known beforehand, and how to validate.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Name of the battery.
@@ -90,14 +90,14 @@ pub struct Identified {
 /// Says how far it is; may end the work.
 pub type Tick<'a> = &'a (dyn Fn(&str) -> anyhow::Result<()> + Sync);
 
-/// Identifies a battery from files.
+/// Identifies a battery from files, and from the CSV files in folders.
 ///
 /// # Errors
 /// A file that cannot be read, trips among tests, measurements that do not tell a battery; what
 /// `tick` says.
-pub fn identify(paths: &[PathBuf], options: Options, tick: Tick) -> anyhow::Result<Identified> {
+pub fn identify(inputs: &[PathBuf], options: Options, tick: Tick) -> anyhow::Result<Identified> {
     tick("reading")?;
-    let (trips, cells) = input::read(paths)?;
+    let (trips, cells) = input::read(inputs)?;
     of_records(trips, cells, options, tick)
 }
 
@@ -284,7 +284,7 @@ fn branches(
     Ok((start, found))
 }
 
-/// Says which parameters the measurements hardly tell.
+/// Says which parameters are poorly identifiable: their standard error is not small beside them.
 fn uncertain(
     layout: &Layout,
     fit: &Fit,
@@ -292,21 +292,20 @@ fn uncertain(
     second_branch: bool,
     notes: &mut Vec<String>,
 ) {
-    const HARDLY: f64 = 0.5;
+    const POOR: f64 = 0.5;
     let names = ["series resistance", "first RC branch", "second RC branch"];
     for (b, name) in names.iter().enumerate().take(if second_branch { 3 } else { 2 }) {
-        if b > 0 && errors[layout.log_tau(b)] > HARDLY {
-            notes.push(format!("the time constant of the {name} is hardly told"));
+        if b > 0 && errors[layout.log_tau(b)] > POOR {
+            notes.push(format!("the time constant of the {name} is poorly identifiable"));
         }
         let at = layout.activation(b);
-        if errors[at] > HARDLY * fit.parameters[at] {
-            notes.push(format!("the activation temperature of the {name} is hardly told"));
+        if errors[at] > POOR * fit.parameters[at] {
+            notes.push(format!("the activation temperature of the {name} is poorly identifiable"));
         }
-        let weak =
-            layout.resistances(b).filter(|&i| errors[i] > HARDLY * fit.parameters[i]).count();
+        let weak = layout.resistances(b).filter(|&i| errors[i] > POOR * fit.parameters[i]).count();
         if weak > 0 {
             let points = layout.ohm.len();
-            notes.push(format!("{weak} of {points} points of the {name} are hardly told"));
+            notes.push(format!("{weak} of {points} points of the {name} are poorly identifiable"));
         }
     }
 }

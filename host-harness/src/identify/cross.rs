@@ -8,7 +8,7 @@ use super::layout::Layout;
 use super::normal::Normal;
 use super::series::{Measured, Series};
 use crate::read::cell::Kind;
-use crate::simulate::synthetic::Noise;
+use crate::simulate::noise::Noise;
 
 /// Tests whose mean temperatures are closer are of one temperature \[K\].
 const SAME_K: f64 = 5.0;

@@ -1,5 +1,5 @@
-//! Least squares with bounds: Levenberg-Marquardt steps (Marquardt 1963), each a non-negative least
-//! squares problem (Lawson and Hanson 1974, ch. 23), since resistances, activation temperatures and
+//! Least squares with bounds: Levenberg-Marquardt steps (Marquardt1963), each a non-negative least
+//! squares problem (`LawsonHanson1974`, ch. 23), since resistances, activation temperatures and
 //! steps of the open-circuit voltage cannot be negative.
 
 use anyhow::Context;
@@ -55,7 +55,7 @@ impl Smoothing {
     ///
     /// Residuals follow each other for minutes, so that a thousand samples may tell no more than ten
     /// independent ones: what a sample is worth shows in how far the pulls of the blocks on the
-    /// open-circuit voltages scatter (the "meat" of a sandwich estimate, Huber 1967).
+    /// open-circuit voltages scatter (the "meat" of a sandwich estimate, Huber1967).
     pub fn expected(layout: &Layout, fit: &Fit) -> Self {
         let len = layout.len();
         let (mut pulls, mut weight) = (0.0, 0.0);
@@ -163,9 +163,8 @@ pub fn fit(
 
 /// Standard errors of every parameter, NaN for one that is held or at its bound: a delete-one-block
 /// jackknife, each block left out to first order. Residuals within a block may follow each other as
-/// they like; with few blocks it errs on the large side (Bell and `McCaffrey` 2002; `MacKinnon`,
-/// Nielsen and Webb 2023, "Cluster-robust inference: a guide to empirical practice", the variance
-/// that they call CV3).
+/// they like; with few blocks it errs on the large side (`BellMcCaffrey2002`; `MacKinnon2023`,
+/// where it is called CV3).
 pub fn standard_errors(layout: &Layout, start: &Start, fit: &Fit) -> Vec<f64> {
     let blocks: Vec<&Normal> = fit.blocks.iter().flatten().filter(|b| b.counts()).collect();
     let mut sum = Normal::new(layout.len());

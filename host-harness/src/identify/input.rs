@@ -1,61 +1,32 @@
 //! What an identification reads, and the capacity it starts from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
 use rayon::prelude::*;
 
 use super::capacity::{self, Estimate};
 use super::series::Measured;
-use crate::read::cell::{self, CellRecord};
-use crate::read::error::{self, InputError};
-use crate::read::trip::{self, Trip};
+use crate::read::cell::CellRecord;
+use crate::read::error::InputError;
+use crate::read::input::{self, Measurement};
+use crate::read::trip::Trip;
 
-/// The CSV files that `inputs` name: files, and those in folders.
+/// Reads trips or tests of a cell: files, and the CSV files in folders, each once.
 ///
 /// # Errors
-/// A folder without any, a path that is neither.
-pub fn files(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for input in inputs {
-        if input.is_dir() {
-            files.extend(crate::evaluate::csv_files(input)?);
-        } else {
-            files.push(input.clone());
-        }
-    }
-    files.sort_unstable();
-    files.dedup();
-    Ok(files)
-}
-
-enum Input {
-    Trip(Box<Trip>),
-    Cell(CellRecord),
-}
-
-fn read_one(path: &Path) -> Result<Input, InputError> {
-    let (file, bytes) = (path.to_string_lossy(), error::read(path)?);
-    // Trip files separate their columns by semicolons.
-    let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
-    Ok(if head.contains(&b';') {
-        Input::Trip(Box::new(trip::parse(&file, &bytes)?))
-    } else {
-        Input::Cell(cell::parse(&file, &bytes)?)
-    })
-}
-
-/// Reads trips or tests of a cell.
-///
-/// # Errors
-/// A file that is neither; both kinds together.
-pub fn read(paths: &[PathBuf]) -> anyhow::Result<(Vec<Trip>, Vec<CellRecord>)> {
-    let inputs: Result<Vec<Input>, InputError> = paths.par_iter().map(|p| read_one(p)).collect();
+/// A folder without any, a file that is neither; both kinds together.
+pub fn read(inputs: &[PathBuf]) -> anyhow::Result<(Vec<Trip>, Vec<CellRecord>)> {
+    let mut paths: Vec<_> = input::files(inputs)?.into_iter().map(|(path, _)| path).collect();
+    paths.sort_unstable();
+    paths.dedup();
+    let found: Result<Vec<Measurement>, InputError> =
+        paths.par_iter().map(|path| input::measurement(path)).collect();
     let (mut trips, mut cells) = (Vec::new(), Vec::new());
-    for input in inputs? {
-        match input {
-            Input::Trip(trip) => trips.push(*trip),
-            Input::Cell(record) => cells.push(record),
+    for measurement in found? {
+        match measurement {
+            Measurement::Trip(trip) => trips.push(*trip),
+            Measurement::Cell(record) => cells.push(record),
         }
     }
     ensure!(

@@ -33,7 +33,7 @@ pub struct Layout {
 pub struct Place {
     /// The point below.
     pub below: usize,
-    /// How far on the way to the next, 0..1.
+    /// How far from it to the next, 0..1.
     pub along: f64,
 }
 

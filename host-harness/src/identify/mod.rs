@@ -13,7 +13,7 @@ mod fit;
 mod input;
 mod layout;
 mod normal;
-mod report;
+mod parameters;
 mod series;
 #[cfg(test)]
 mod tests;
@@ -23,5 +23,4 @@ mod write;
 pub use battery::{Identified, Options, Tick, identify, of_records};
 pub use capacity::Estimate;
 pub use cross::HeldOut;
-pub use input::files;
 pub use thermal::Node;

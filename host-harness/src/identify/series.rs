@@ -10,8 +10,8 @@ const GAP_S: f64 = 60.0;
 const GAP_SAMPLINGS: f64 = 3.0;
 /// A sample stands for the time since the one before, but for no more than this \[s\].
 const LONGEST_WEIGHT_S: f64 = 10.0;
-/// Below this state of charge only a slow sweep counts: a cell's resistance rises there in a way
-/// that no one activation temperature describes, and would spoil the rest.
+/// Below this state of charge only a slow sweep counts: a cell's resistance rises there as no
+/// one activation temperature describes, and would spoil the rest.
 pub const LOWEST_SOC: f64 = 0.15;
 /// A new block begins where the state of charge has moved by this.
 const BLOCK_SOC: f64 = 0.05;
@@ -69,11 +69,11 @@ pub struct Series {
 }
 
 impl Measured {
-    /// A cell's test, full where its counter is 0. Of a sweep, the discharge: on the way back the
-    /// counter has no zero.
+    /// A cell's test, full where its counter is 0. Of a sweep, the discharge: during the
+    /// charge the counter has no zero.
     pub fn of_cell(record: &CellRecord, capacity_ah: f64) -> Self {
         let (kind, _) = record.kind(capacity_ah);
-        let count = if kind == Kind::Sweep { emptied(record) + 1 } else { record.len() };
+        let count = if kind == Kind::Sweep { emptied(record) + 1 } else { record.time_s.len() };
         let first = |values: &[f64]| values[..count].to_vec();
         Self {
             name: record.name.clone(),

@@ -12,7 +12,7 @@ use plant_core::num::SocTable;
 
 use super::*;
 use crate::read::cell::CellRecord;
-use crate::simulate::synthetic::Noise;
+use crate::simulate::noise::Noise;
 
 const CAPACITY_AH: f32 = 3.0;
 /// Standard deviations of the sensors before rounding, and the steps to which they round.

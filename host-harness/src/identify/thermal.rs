@@ -165,15 +165,16 @@ fn run(series: &[&Measured], heat_w: &[Vec<f64>], at: Vector2<f64>) -> Vec<Block
             let heat_w = heat_w[i];
             let keep = (-at.y * dt_s).exp();
             let above_k = celsius - ambient_c;
-            let way = (1.0 - keep) / at.y;
+            // What a constant rate of change adds over the step.
+            let held_s = (1.0 - keep) / at.y;
             // What the temperature changes by with 1/C and with k/C.
             slope = slope * keep
                 + Vector2::new(
-                    way * heat_w,
+                    held_s * heat_w,
                     -dt_s * keep * above_k
                         + heat_w * at.x * (dt_s * keep * at.y - (1.0 - keep)) / (at.y * at.y),
                 );
-            celsius = ambient_c + above_k * keep + way * heat_w * at.x;
+            celsius = ambient_c + above_k * keep + held_s * heat_w * at.x;
             if (s.soc[i] - block_soc).abs() > BLOCK_SOC {
                 block_soc = s.soc[i];
                 blocks.push(total(&[]));

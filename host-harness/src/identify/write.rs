@@ -1,9 +1,8 @@
-//! The battery file that an identification comes to; `battery_file` reads it.
+//! The battery file that an identification comes to; `read::battery` reads it.
 
 use std::fmt::Write as _;
 
 use super::battery::Identified;
-use super::capacity::Estimate;
 use super::layout::{ACTIVATION_UNIT_K, BRANCHES};
 
 /// How many points stand on a line of a table.
@@ -170,19 +169,6 @@ impl Identified {
                 let _ = writeln!(text, "thermal.{key} = {}", error(value.error));
             }
         }
-    }
-
-    /// Branches that there are, the series resistance among them.
-    pub(super) fn branches(&self) -> usize {
-        if self.second_branch { BRANCHES } else { BRANCHES - 1 }
-    }
-
-    /// The time constant of a branch from 1 \[s\].
-    #[must_use]
-    pub fn time_constant(&self, branch: usize) -> Estimate {
-        let at = self.layout.log_tau(branch);
-        let value = self.parameters[at].exp();
-        Estimate { value, error: value * self.errors[at] }
     }
 }
 

@@ -4,9 +4,7 @@
 //! `time_s,current_a,voltage_v,discharged_ah,cell_temperature_c` and, where it was measured,
 //! `chamber_temperature_c`; current positive when discharging.
 
-use std::path::Path;
-
-use crate::read::error::{self, InputError, shown};
+use crate::read::error::{self, InputError, shown, stem};
 
 /// Samples further apart than this are a gap: what happened in between was not logged \[s\].
 pub const GAP_S: f64 = 5.0;
@@ -47,18 +45,6 @@ pub struct CellRecord {
 }
 
 impl CellRecord {
-    /// How many samples there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.time_s.len()
-    }
-
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
-    }
-
     /// The state of charge at sample `i` for a cell of `capacity_ah` that was full where the
     /// counter was 0.
     #[must_use]
@@ -119,7 +105,7 @@ pub(crate) fn delayed(time_s: &[f64], values: &[f64], delay_s: f64) -> Vec<f64> 
 }
 
 /// Names of the columns; the last may be missing.
-const COLUMNS: [&str; 6] = [
+pub(crate) const COLUMNS: [&str; 6] = [
     "time_s",
     "current_a",
     "voltage_v",
@@ -131,21 +117,6 @@ const CHAMBER: usize = 5;
 /// What is not absurd.
 const RANGES: [(f64, f64); 6] =
     [(-1e9, 1e9), (-1e4, 1e4), (-10.0, 2000.0), (-1e5, 1e5), (-100.0, 200.0), (-100.0, 200.0)];
-
-/// Reads a file.
-///
-/// # Errors
-/// As [`parse`]; a file that cannot be read.
-pub fn read(path: impl AsRef<Path>) -> Result<CellRecord, InputError> {
-    let path = path.as_ref();
-    parse(&path.to_string_lossy(), &error::read(path)?)
-}
-
-/// Whether a header is that of such a file.
-#[must_use]
-pub fn is_header(line: &str) -> bool {
-    COLUMNS.iter().take(CHAMBER).all(|name| line.split(',').any(|field| field.trim() == *name))
-}
 
 /// Reads a test from the bytes of a file called `file`.
 ///
@@ -198,9 +169,15 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
     if time_s.len() < 2 {
         return Err(InputError::of_file(file, "fewer than two samples"));
     }
-    let name = Path::new(file).file_stem().map_or(file.into(), |s| s.to_string_lossy());
-    let name = name.into_owned();
-    Ok(CellRecord { name, time_s, current_a, voltage_v, discharged_ah, cell_c, chamber_c })
+    Ok(CellRecord {
+        name: stem(file),
+        time_s,
+        current_a,
+        voltage_v,
+        discharged_ah,
+        cell_c,
+        chamber_c,
+    })
 }
 
 fn number(field: &str, column: usize) -> Result<f64, String> {
@@ -252,7 +229,7 @@ mod tests {
     #[test]
     fn reads_columns_by_name() {
         let record = parse("a/b.csv", TEXT.as_bytes()).unwrap();
-        assert_eq!((record.name.as_str(), record.len()), ("b", 3));
+        assert_eq!((record.name.as_str(), record.time_s.len()), ("b", 3));
         assert_eq!(record.current_a, [1.0, 2.0, 0.0]);
         assert!(record.chamber_c[0].is_nan() && record.chamber_c[1] == 25.0);
         assert!((record.soc(2, 2.0) - 0.94985).abs() < 1e-12);
@@ -261,8 +238,6 @@ mod tests {
         let fewer = TEXT.replace(",chamber_temperature_c", "").replace(",nan", "");
         let fewer = fewer.replace("25.1,25.0", "25.1").replace("25,25", "25");
         assert!(parse("b.csv", fewer.as_bytes()).unwrap().chamber_c[1].is_nan());
-        assert!(is_header("voltage_v,time_s,current_a,discharged_ah,cell_temperature_c"));
-        assert!(!is_header("time_s,speed_m_s"));
     }
 
     #[test]

@@ -58,6 +58,11 @@ impl fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
+/// The name of a file, without its folder and its extension.
+pub(crate) fn stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or(file.into(), |stem| stem.to_string_lossy()).into_owned()
+}
+
 /// The bytes of a file.
 ///
 /// # Errors

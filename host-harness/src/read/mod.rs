@@ -1,8 +1,15 @@
 //! What can be read: cycles, trips, cell tests, vehicles, batteries; built in or from a file.
+//!
+//! [`recognise`] decides what a file is, [`input`] reads what a command names; each other module is
+//! one kind of file. Whatever is wrong is an [`error`] with file, line and column.
 
 pub mod battery;
+mod builtin;
 pub mod cell;
 pub mod cycle;
+mod document;
 pub mod error;
+pub mod input;
+pub mod recognise;
 pub mod trip;
 pub mod vehicle;

@@ -1,6 +1,30 @@
-//! Results for people: tables, the plot sheet, files that appear whole or not at all.
+//! Results for people and programs: tables on a terminal, JSON, the trace and the plot sheet of a
+//! replay, progress, files that appear whole or not at all. Nothing here computes a result; only
+//! `cli` uses it.
 
+pub(crate) mod cells;
+pub(crate) mod endurance;
+pub(crate) mod estimators;
 pub(crate) mod files;
+pub(crate) mod identified;
 mod plot;
+pub(crate) mod progress;
 pub(crate) mod sheet;
+pub(crate) mod summary;
 pub(crate) mod table;
+pub(crate) mod trace;
+pub(crate) mod trips;
+pub(crate) mod validation;
+
+use anyhow::Context;
+use serde::Serialize;
+
+/// A result as JSON, with a line end.
+///
+/// # Errors
+/// None that is known of.
+pub(crate) fn json(result: &impl Serialize) -> anyhow::Result<String> {
+    let mut text = serde_json::to_string_pretty(result).context("writing JSON")?;
+    text.push('\n');
+    Ok(text)
+}

@@ -2,9 +2,10 @@
 
 use crate::read::trip::Trip;
 use crate::show::plot::{Bar, Kind, Panel, Series, Sheet, render as draw};
+use crate::simulate::figures::J_PER_KWH;
+use crate::simulate::mode::Replayed;
 use crate::simulate::replay::Replay;
 use crate::simulate::run::TraceRow;
-use crate::simulate::summary::J_PER_KWH;
 
 /// The plot sheet as SVG.
 pub fn render(replay: &Replay) -> anyhow::Result<String> {
@@ -34,7 +35,7 @@ pub fn render(replay: &Replay) -> anyhow::Result<String> {
     };
 
     let mut panels = Vec::new();
-    if summary.mode != "battery" {
+    if summary.mode != Replayed::Battery {
         let reference = Series {
             name: "reference".into(),
             values: kmh(|r| r.reference_m_s),

@@ -1,15 +1,7 @@
-//! The summary on a terminal.
+//! What the tables on a terminal have in common.
 
 use comfy_table::presets;
 use comfy_table::{CellAlignment, Table};
-
-use crate::read::battery;
-use crate::read::cycle;
-use crate::read::vehicle;
-use crate::simulate::summary::{Figures, Summary};
-
-/// Of the energy ledger, terms below this do not show in the table \[kWh\].
-const SMALLEST_TERM_KWH: f64 = 5e-5;
 
 /// An empty table, numbers to the right.
 pub fn table(header: &[&str]) -> Table {
@@ -21,135 +13,7 @@ pub fn table(header: &[&str]) -> Table {
     table
 }
 
-/// A figure that a replay and a measurement have in common.
-type Row = (&'static str, fn(&Figures) -> Option<f64>, usize);
-
-const ROWS: [Row; 10] = [
-    ("distance [km]", |f| Some(f.distance_km), 3),
-    ("SOC at the start [%]", |f| Some(100.0 * f.soc_initial), 2),
-    ("SOC at the end [%]", |f| Some(100.0 * f.soc_final), 3),
-    ("energy at the battery [kWh]", |f| Some(f.battery_energy_kwh), 4),
-    ("consumption [Wh/km]", |f| f.consumption_wh_per_km, 1),
-    ("motor torque, lowest [N·m]", |f| f.motor_torque_min_nm, 1),
-    ("motor torque, highest [N·m]", |f| f.motor_torque_max_nm, 1),
-    ("battery current, lowest [A]", |f| Some(f.battery_current_min_a), 1),
-    ("battery current, highest [A]", |f| Some(f.battery_current_max_a), 1),
-    ("battery voltage, lowest [V]", |f| Some(f.battery_voltage_min_v), 1),
-];
-
-/// The summary as a table that fits a terminal.
-#[must_use]
-pub fn render(s: &Summary) -> String {
-    let mut text = format!(
-        "{} · {} · {} steps of {} ms in {:.3} s ({:.0} times real time)\n",
-        s.input,
-        s.vehicle,
-        s.steps,
-        s.dt_s * 1000.0,
-        s.run_wall_s,
-        s.realtime_factor,
-    );
-    let number = |v: Option<f64>, digits: usize| {
-        v.filter(|v| v.is_finite()).map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
-    };
-    let mut figures = match s.measured {
-        Some(_) => table(&["", "simulated", "measured"]),
-        None => table(&["", "simulated"]),
-    };
-    for (name, pick, digits) in ROWS {
-        let mut row = vec![name.to_owned(), number(pick(&s.figures), digits)];
-        row.extend(s.measured.as_ref().map(|m| number(pick(m), digits)));
-        figures.add_row(row);
-    }
-    for (name, value) in [
-        ("speed error, RMS [m/s]", s.speed_error_rms_m_s),
-        ("speed error, largest [m/s]", s.speed_error_max_m_s),
-    ] {
-        if value.is_some() {
-            let mut row = vec![name.to_owned(), number(value, 4)];
-            row.extend(s.measured.as_ref().map(|_| String::new()));
-            figures.add_row(row);
-        }
-    }
-    text += &format!("{figures}\n");
-
-    if let Some(e) = &s.error {
-        let mut errors = table(&["simulated minus measured", ""]);
-        for (name, value) in [
-            ("SOC, RMS [%]", format!("{:.3}", 100.0 * e.soc_rmse)),
-            ("SOC at the end [%]", format!("{:+.3}", 100.0 * e.soc_final)),
-            ("SOC drop, relative [%]", format!("{:+.2}", 100.0 * e.soc_drop_rel)),
-            ("battery voltage, RMS [V]", format!("{:.3}", e.voltage_rmse_v)),
-            ("battery voltage, largest [V]", format!("{:.2}", e.voltage_max_v)),
-            ("battery current, RMS [A]", format!("{:.2}", e.current_rmse_a)),
-            ("motor torque, RMS [N·m]", number(e.torque_rmse_nm, 2)),
-            ("energy at the battery, relative [%]", format!("{:+.2}", 100.0 * e.energy_rel)),
-        ] {
-            errors.add_row([name.to_owned(), value]);
-        }
-        text += &format!("{errors}\n");
-    }
-    if let Some(energy) = &s.energy {
-        let mut ledger = table(&["energy", "kWh", "share [%]"]);
-        let throughput = energy.get("throughput").copied().unwrap_or(f64::NAN);
-        let mut terms: Vec<_> = energy
-            .iter()
-            .filter(|(name, v)| **name != "throughput" && v.abs() >= SMALLEST_TERM_KWH)
-            .collect();
-        terms.sort_by(|a, b| b.1.total_cmp(a.1));
-        for (name, kwh) in terms {
-            ledger.add_row([
-                name.replace('_', " "),
-                format!("{kwh:.4}"),
-                format!("{:.2}", 100.0 * kwh / throughput),
-            ]);
-        }
-        text += &format!("{ledger}\n");
-        text += &format!(
-            "shares are of the battery's throughput, {throughput:.4} kWh; the ledger closes to {:.1e} of it\n",
-            s.energy_residual_rel.unwrap_or(f64::NAN).abs()
-        );
-    }
-    for note in &s.notes {
-        text += &format!("note: {note}\n");
-    }
-    text
-}
-
-/// The built-in cycles, vehicles and batteries.
-#[must_use]
-pub fn list() -> String {
-    let mut cycles = table(&["cycle", "length [s]", "distance [km]", "source"]);
-    cycles.column_iter_mut().skip(3).for_each(|c| {
-        c.set_cell_alignment(CellAlignment::Left);
-    });
-    for cycle in cycle::builtin() {
-        cycles.add_row([
-            cycle.name.clone(),
-            format!("{:.0}", cycle.duration_s()),
-            format!("{:.3}", cycle.distance_km()),
-            format!("{}; {}", cycle.title, cycle.source),
-        ]);
-    }
-    let mut vehicles = table(&["vehicle", "description", "source"]);
-    vehicles.column_iter_mut().skip(1).for_each(|c| {
-        c.set_cell_alignment(CellAlignment::Left);
-    });
-    for vehicle in vehicle::builtin() {
-        vehicles.add_row([vehicle.name, vehicle.description, vehicle.source]);
-    }
-    let mut batteries = table(&["battery", "description", "source"]);
-    batteries.column_iter_mut().skip(1).for_each(|c| {
-        c.set_cell_alignment(CellAlignment::Left);
-    });
-    for battery in battery::builtin() {
-        batteries.add_row([battery.name, battery.description, battery.source]);
-    }
-    for table in [&mut cycles, &mut vehicles, &mut batteries] {
-        table.set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
-        if table.width().is_none() {
-            table.set_width(100);
-        }
-    }
-    format!("{cycles}\n\n{vehicles}\n\n{batteries}\n")
+/// A number, or a dash where there is none.
+pub fn number(x: Option<f64>, digits: usize) -> String {
+    x.filter(|x| x.is_finite()).map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"))
 }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::read::trip::Trip;
+use crate::simulate::figures::Figures;
 use crate::simulate::run::{Run, TraceRow};
-use crate::simulate::summary::Figures;
 
 /// How far a replay is from the measurement; ours minus measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -113,7 +113,7 @@ fn grades(trip: &Trip) -> Vec<Grade> {
             }
             let along_m = distance_m[ahead] - distance_m[behind];
             let rise_m = trip.elevation_m[ahead] - trip.elevation_m[behind];
-            // Too short a way says nothing, at the ends of a trip or where it hardly moves.
+            // Too short a distance says nothing, at the ends of a trip or where it hardly moves.
             if along_m < SLOPE_REACH_M || !rise_m.is_finite() {
                 return Grade::FLAT;
             }

@@ -2,70 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::Context;
 use plant_core::powertrain::ledger::EnergyReport;
 use serde::Serialize;
 
 use crate::simulate::comparison::Deviation;
+use crate::simulate::figures::{Figures, J_PER_KWH};
+use crate::simulate::mode::Replayed;
 use crate::simulate::run::Run;
 
-/// Joules in a kilowatt-hour.
-pub const J_PER_KWH: f64 = 3.6e6;
 /// Above this share of the throughput the step's own dissipation is worth a warning.
 pub const NUMERICAL_WARNING: f64 = 0.01;
-
-/// Figures that a replay and a measurement have in common.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Figures {
-    /// Distance \[km\].
-    pub distance_km: f64,
-    /// State of charge at the start, 0..1.
-    pub soc_initial: f64,
-    /// State of charge at the end, 0..1.
-    pub soc_final: f64,
-    /// Net energy at the battery's terminals \[kWh\].
-    pub battery_energy_kwh: f64,
-    /// The same per distance \[Wh/km\]; absent where nothing moved.
-    pub consumption_wh_per_km: Option<f64>,
-    /// Lowest motor torque \[N·m\]; absent where there was none to see.
-    pub motor_torque_min_nm: Option<f64>,
-    /// Highest motor torque \[N·m\].
-    pub motor_torque_max_nm: Option<f64>,
-    /// Lowest battery current \[A\], negative when charging.
-    pub battery_current_min_a: f64,
-    /// Highest battery current \[A\].
-    pub battery_current_max_a: f64,
-    /// Lowest battery voltage \[V\].
-    pub battery_voltage_min_v: f64,
-}
-
-impl Figures {
-    /// From sums and extremes.
-    #[must_use]
-    pub fn new(
-        distance_km: f64,
-        soc: (f64, f64),
-        battery_energy_j: f64,
-        motor_torque_nm: Option<(f64, f64)>,
-        battery_current_a: (f64, f64),
-        battery_voltage_min_v: f64,
-    ) -> Self {
-        let battery_energy_kwh = battery_energy_j / J_PER_KWH;
-        Self {
-            distance_km,
-            soc_initial: soc.0,
-            soc_final: soc.1,
-            battery_energy_kwh,
-            consumption_wh_per_km: (distance_km > 1e-3)
-                .then(|| battery_energy_kwh * 1000.0 / distance_km),
-            motor_torque_min_nm: motor_torque_nm.map(|t| t.0),
-            motor_torque_max_nm: motor_torque_nm.map(|t| t.1),
-            battery_current_min_a: battery_current_a.0,
-            battery_current_max_a: battery_current_a.1,
-            battery_voltage_min_v,
-        }
-    }
-}
 
 /// Everything that `summary.json` says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -74,8 +20,8 @@ pub struct Summary {
     pub vehicle: String,
     /// The cycle's or trip's name.
     pub input: String,
-    /// `cycle`, `trip` or `battery`.
-    pub mode: &'static str,
+    /// What was replayed.
+    pub mode: Replayed,
     /// The step \[s\].
     pub dt_s: f64,
     /// How many steps.
@@ -117,11 +63,11 @@ pub struct Summary {
 impl Summary {
     /// The figures of a run.
     #[must_use]
-    pub fn new(vehicle: &str, input: &str, mode: &'static str, run: &Run, duration_s: f64) -> Self {
+    pub fn new(vehicle: &str, input: &str, mode: Replayed, run: &Run, duration_s: f64) -> Self {
         let (first, last) = (run.trace.first(), run.trace.last());
         let totals = &run.totals;
         let pair = |(a, b): (f32, f32)| (f64::from(a), f64::from(b));
-        let drives = mode != "battery";
+        let drives = mode != Replayed::Battery;
         let distance_km = last.map_or(0.0, |r| f64::from(r.distance_m) / 1000.0);
         #[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
         let (steps, limited) = (run.steps as f64, totals.limited_steps as f64);
@@ -168,16 +114,6 @@ impl Summary {
             error: None,
             notes,
         }
-    }
-
-    /// The JSON text, with a line end.
-    ///
-    /// # Errors
-    /// None that is known of.
-    pub fn to_json(&self) -> anyhow::Result<String> {
-        let mut text = serde_json::to_string_pretty(self).context("writing JSON")?;
-        text.push('\n');
-        Ok(text)
     }
 }
 

@@ -18,11 +18,13 @@ use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::slope::Grade;
 use plant_core::num::sin_cos_turns;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams};
-use plant_core::presets::BMW_I3_60AH;
+use plant_core::presets::BMW_I3_60AH_CONSTANT;
 use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
 use plant_core::{Dt, must};
+
+use crate::simulate::noise::Noise;
 
 /// Seed of the noise.
 pub const SEED: u64 = 20_260_117;
@@ -43,7 +45,7 @@ pub const TRUTH: PowertrainParams = PowertrainParams {
         capacity_ah: 61.2,
         series_resistance_ohm: 0.095,
         polarisation: RcBranchParams { resistance_ohm: 0.03, capacitance_f: 1500.0 },
-        ..BMW_I3_60AH.powertrain.battery
+        ..BMW_I3_60AH_CONSTANT.powertrain.battery
     },
     body: BodyParams {
         mass_kg: 1560.0,
@@ -54,7 +56,7 @@ pub const TRUTH: PowertrainParams = PowertrainParams {
             rolling_coefficient: 0.0142,
         },
     },
-    ..BMW_I3_60AH.powertrain
+    ..BMW_I3_60AH_CONSTANT.powertrain
 };
 
 /// What is recorded of one quantity.
@@ -88,7 +90,7 @@ const fn channel(header: &'static str, key: &'static str, noise: f32, quantum: f
     Channel { header, key, noise, quantum }
 }
 
-/// Where the speed goes: target \[km/h\], largest acceleration on the way \[m/s²\], then held \[s\].
+/// Where the speed goes: target \[km/h\], largest acceleration up to there \[m/s²\], then held \[s\].
 const PROFILE: [(f64, f64, f64); 19] = [
     (0.0, 1.0, 8.0),
     (30.0, 1.2, 20.0),
@@ -123,7 +125,7 @@ pub fn trip_csv() -> Vec<u8> {
     }
     text.push_str("\r\n");
     let sensors = Sensors::new();
-    let mut noise = Noise(SEED);
+    let mut noise = Noise::from_state(SEED);
     drive(|row, out, heating_w, aircon_w| {
         let share = row as f32 / (DURATION_S * ROWS_PER_S) as f32;
         let values = [
@@ -155,8 +157,8 @@ pub fn trip_csv() -> Vec<u8> {
 /// The true parameters, the noise and the seed, as TOML.
 #[must_use]
 pub fn truth_toml() -> String {
-    let head = "# The true parameters of synthetic.csv: vehicle `bmw-i3-60ah`, but for what is below.\n\
-                      # Written by `cargo run --release -p voltstep --example make_trip`.\n\n";
+    let head = "# The true parameters of synthetic.csv: vehicle `bmw-i3-60ah-constant`, but for what is below.\n\
+                      # Written by `cargo xtask trip`.\n\n";
     let b = &TRUTH.battery;
     let mut text = String::from(head);
     let _ = write!(
@@ -192,7 +194,7 @@ pub fn truth_toml() -> String {
 /// Drives the trip and shows each row: its number, the plant, heating and air conditioning \[W\].
 fn drive(mut show: impl FnMut(u32, &PowertrainOutput, f32, f32)) {
     let plant = must!(Powertrain::new(TRUTH, DT));
-    let driver = must!(Driver::new(BMW_I3_60AH.driver, &TRUTH, DT));
+    let driver = must!(Driver::new(BMW_I3_60AH_CONSTANT.driver, &TRUTH, DT));
     let Ok(mut state) = plant.at_rest(INITIAL_SOC) else { unreachable!("a ratio") };
     let mut driver_state = DriverState::default();
     let mut vehicle = plant.feedback(&state);
@@ -302,40 +304,6 @@ fn short(value: f32) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Xorshift noise (Marsaglia 2003), so that no random library's version changes the file.
-pub(crate) struct Noise(u64);
-
-impl Noise {
-    /// A sequence of its own for each seed.
-    pub(crate) fn new(seed: u64) -> Self {
-        // Never 0, and near seeds far apart.
-        let mut noise = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
-        for _ in 0..8 {
-            noise.even();
-        }
-        noise
-    }
-
-    /// Evenly in 0..n, a place in a list.
-    #[expect(clippy::cast_sign_loss, reason = "not negative")]
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        ((self.even() * n as f32) as usize).min(n - 1)
-    }
-
-    /// Evenly in 0..1.
-    pub(crate) fn even(&mut self) -> f32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 40) as f32 / 16_777_216.0
-    }
-
-    /// Close to normal, of mean 0 and standard deviation 1.
-    pub(crate) fn normal(&mut self) -> f32 {
-        (0..12).map(|_| self.even()).sum::<f32>() - 6.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -348,7 +316,7 @@ mod tests {
 
     #[test]
     fn the_committed_files_are_what_the_generator_makes() {
-        let fix = "run `cargo run --release -p voltstep --example make_trip`";
+        let fix = "run `cargo xtask trip`";
         assert!(committed("synthetic.csv") == trip_csv(), "{fix}");
         assert!(committed("synthetic.truth.toml") == truth_toml().into_bytes(), "{fix}");
     }

@@ -1,6 +1,6 @@
 //! An adaptive solver in double precision, for what the fixed step is measured against: the method
-//! of Dormand and Prince of order 5 with its error estimate and interpolant (Hairer, Nørsett,
-//! Wanner, *Solving Ordinary Differential Equations I*, section II.6).
+//! of Dormand and Prince of order 5 (`DormandPrince1980`) with its error estimate and interpolant
+//! (Hairer1993, section II.6).
 //!
 //! It restarts at each kink of the input and stops where a system changes its mode (standstill,
 //! saturation). It is our own because no crate did: `diffsol` brings a whole linear algebra library
@@ -18,7 +18,7 @@ const EVENT_S: f64 = 1e-12;
 const MOST_EVENTS: u32 = 10_000;
 /// A shorter step means that the solution has a jump or a pole \[s\].
 const SHORTEST_S: f64 = 1e-14;
-/// The first step after a kink, as a share of the way to the next.
+/// The first step after a kink, as a share of the time to the next.
 const FIRST_STEP: f64 = 1e-4;
 
 /// Nodes, then the rows of the tableau; the last row is the solution.
@@ -229,21 +229,25 @@ mod tests {
     /// A mass on a spring; with friction it has modes.
     struct Spring {
         friction: f64,
-        way: f64,
+        direction: f64,
     }
 
     impl System<2> for Spring {
         fn slope(&self, _t: f64, y: &[f64; 2]) -> [f64; 2] {
-            if self.way == 0.0 { [0.0, 0.0] } else { [y[1], -y[0] - self.friction * self.way] }
+            if self.direction == 0.0 {
+                [0.0, 0.0]
+            } else {
+                [y[1], -y[0] - self.friction * self.direction]
+            }
         }
 
         fn margin(&self, _t: f64, y: &[f64; 2]) -> f64 {
-            if self.way == 0.0 { 1.0 } else { self.way * y[1] }
+            if self.direction == 0.0 { 1.0 } else { self.direction * y[1] }
         }
 
         fn switch(&mut self, _t: f64, y: &mut [f64; 2]) {
             y[1] = 0.0;
-            self.way = if y[0].abs() <= self.friction { 0.0 } else { -y[0].signum() };
+            self.direction = if y[0].abs() <= self.friction { 0.0 } else { -y[0].signum() };
         }
 
         fn scale(&self) -> [f64; 2] {
@@ -253,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_free_oscillation_is_a_sine_at_every_sample() {
-        let (mut spring, mut y) = (Spring { friction: 0.0, way: 1.0 }, [0.0, 1.0]);
+        let (mut spring, mut y) = (Spring { friction: 0.0, direction: 1.0 }, [0.0, 1.0]);
         let (mut clock, mut worst) = (Clock::new(0.01), 0.0_f64);
         // It turns round three times; each is an event, between kinks or not.
         for k in 0..10 {
@@ -270,7 +274,7 @@ mod tests {
     #[test]
     fn dry_friction_takes_its_share_of_each_swing_and_holds() {
         // Each half swing loses 2·F: 1 → −0.6 → 0.2, within ±0.2 it sticks.
-        let (mut spring, mut y) = (Spring { friction: 0.2, way: -1.0 }, [1.0, -1e-300]);
+        let (mut spring, mut y) = (Spring { friction: 0.2, direction: -1.0 }, [1.0, -1e-300]);
         let mut clock = Clock::new(1.0);
         integrate(&mut spring, &mut y, (0.0, 20.0), 1e-10, &mut clock, |_, _, _| {}).unwrap();
         assert!((y[0].abs() - 0.2).abs() < 1e-6 && y[1] == 0.0, "{y:?}");
@@ -278,7 +282,7 @@ mod tests {
 
     #[test]
     fn one_step_is_of_order_5_and_its_interpolant_of_order_4() {
-        let spring = Spring { friction: 0.0, way: 1.0 };
+        let spring = Spring { friction: 0.0, direction: 1.0 };
         let off = |h: f64, s: f64| {
             let (sin, cos) = 0.7_f64.sin_cos();
             let made = Made::new(&spring, 0.7, h, [sin, cos], [cos, -sin]);

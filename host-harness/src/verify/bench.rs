@@ -1,4 +1,4 @@
-//! The converter bench (`EPowertrain` 2025, section 5.3): a motor with a load of 10 kg·m² behind the
+//! The converter bench (`EPowertrain2025`, section 5.2.3): a motor with a load of 10 kg·m² behind the
 //! converter on 400 V, its speed held by a PID from rad/s to duty.
 //!
 //! Controller, amplitudes and frequencies are printed nowhere; chosen here: K 0.002, I 0.004,

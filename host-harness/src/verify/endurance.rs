@@ -5,11 +5,11 @@
 
 use std::time::Instant;
 
-use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use plant_core::battery::{Battery, BatteryInput, BatteryState};
 use plant_core::{Dt, must, presets};
 use serde::Serialize;
+
+use crate::simulate::progress::Progress;
 
 const DT: Dt = must!(Dt::from_s(1.0));
 const DAY_S: usize = 86_400;
@@ -25,7 +25,7 @@ const BALANCE: f64 = 1e-6;
 
 /// What ten years came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct EnduranceReport {
     /// Years of operation.
     pub years: u32,
     /// Steps of one second.
@@ -56,50 +56,11 @@ pub struct Report {
     pub pass: bool,
 }
 
-impl Report {
+impl EnduranceReport {
     /// Whether the charge balances.
     #[must_use]
     pub const fn is_good(&self) -> bool {
         self.pass
-    }
-
-    /// For a terminal.
-    #[must_use]
-    pub fn text(&self) -> String {
-        format!(
-            "{} years of a battery (open-circuit voltage, resistance, one RC branch) in {} steps \
-             of 1 s: {:.1} s, {:.1} ns a step\n\
-             charge moved {:.1} A·h, net {:.6} A·h; by the state of charge {:.6} A·h; \
-             they differ by {:.1e} of the charge moved (at most {:.0e}): {}\n\
-             state of charge: lowest {:.4}, at the end {:.6}; refused {:.3} A·h; \
-             mean heat {:.2} W\n\
-             for comparison: the source work quotes 288 s for ten years of a battery with ageing \
-             by the fastest tool of its survey (Dymola); this battery does not age, a lighter job\n",
-            self.years,
-            self.steps,
-            self.wall_s,
-            self.ns_per_step,
-            self.throughput_ah,
-            self.net_ah,
-            self.net_by_soc_ah,
-            self.balance_rel,
-            self.tolerance,
-            if self.pass { "pass" } else { "FAIL" },
-            self.soc_min,
-            self.soc_final,
-            self.refused_ah,
-            self.heat_mean_w,
-        )
-    }
-
-    /// The JSON text, with a line end.
-    ///
-    /// # Errors
-    /// None that is known of.
-    pub fn to_json(&self) -> anyhow::Result<String> {
-        let mut text = serde_json::to_string_pretty(self).context("writing JSON")?;
-        text.push('\n');
-        Ok(text)
     }
 }
 
@@ -134,15 +95,9 @@ struct Sums {
 ///
 /// # Errors
 /// None that is known of.
-pub fn run(years: u32, show_progress: bool) -> anyhow::Result<Report> {
+pub fn run(years: u32, progress: &dyn Progress) -> anyhow::Result<EnduranceReport> {
     let days = years * DAYS_PER_YEAR;
-    let bar = if show_progress {
-        let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")?;
-        ProgressBar::new(u64::from(days)).with_style(style)
-    } else {
-        ProgressBar::hidden()
-    };
-    let params = presets::BMW_I3_60AH.powertrain.battery;
+    let params = presets::BMW_I3_60AH_CONSTANT.powertrain.battery;
     let battery = Battery::new(params, DT)?;
     let start = BatteryState::rested(FULL)?;
     let day = day();
@@ -152,11 +107,10 @@ pub fn run(years: u32, show_progress: bool) -> anyhow::Result<Report> {
     for number in 0..days {
         one_day(&battery, &mut state, &day, &mut sums, &mut soc_min);
         if number % 64 == 0 {
-            bar.set_position(u64::from(number));
+            progress.at(number as usize, days as usize, "");
         }
     }
     let wall_s = started.elapsed().as_secs_f64();
-    bar.finish_and_clear();
 
     let steps = u64::from(days) * DAY_S as u64;
     let capacity_c = f64::from(params.capacity_ah) * 3600.0;
@@ -164,7 +118,7 @@ pub fn run(years: u32, show_progress: bool) -> anyhow::Result<Report> {
     let balance_rel = (by_soc_c - sums.net_c).abs() / sums.moved_c;
     #[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
     let count = steps as f64;
-    Ok(Report {
+    Ok(EnduranceReport {
         years,
         steps,
         wall_s,
@@ -220,16 +174,14 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::progress::Unseen;
 
     #[test]
     fn a_year_balances_and_charges_every_night() {
-        let report = run(1, false).unwrap();
+        let report = run(1, &Unseen).unwrap();
         assert_eq!(report.steps, 365 * 86_400);
         assert!(report.is_good(), "{report:?}");
         assert!(report.soc_final > 0.79 && report.soc_min > 0.2 && report.soc_min < 0.75);
         assert_eq!(report.refused_ah, 0.0);
-        assert!(report.text().contains("pass"));
-        let worse = Report { pass: false, ..report };
-        assert!(worse.text().contains("FAIL") && !worse.is_good());
     }
 }

@@ -1,5 +1,5 @@
 //! The continuous equations of the coupled vehicle, written once more from the reference system
-//! (`EPowertrain` 2025, errata applied) in double precision. Nothing here calls `plant-core`.
+//! (`EPowertrain2025`, errata applied) in double precision. Nothing here calls `plant-core`.
 //!
 //! Two lags are faster than all else by a factor of a thousand at least and are eliminated: an RC
 //! branch with τ ≤ 1 µs acts as its resistance, and the PID's smoothing of 1 µs as the first term
@@ -156,7 +156,7 @@ pub struct Vehicle {
     pub p: Parameters,
     pub stretch: Stretch,
     /// The sign of the speed; 0 at standstill.
-    way: f64,
+    direction: f64,
     /// −1 at the lower limit of the duty, 1 at the upper, 0 between.
     limit: f64,
 }
@@ -164,13 +164,13 @@ pub struct Vehicle {
 impl Vehicle {
     /// At rest.
     pub fn new(p: Parameters) -> Self {
-        Self { p, stretch: Stretch::default(), way: 0.0, limit: 0.0 }
+        Self { p, stretch: Stretch::default(), direction: 0.0, limit: 0.0 }
     }
 
     /// At a speed.
     pub fn moving(p: Parameters, speed: f64) -> Self {
-        let way = if speed == 0.0 { 0.0 } else { speed.signum() };
-        Self { way, ..Self::new(p) }
+        let direction = if speed == 0.0 { 0.0 } else { speed.signum() };
+        Self { direction, ..Self::new(p) }
     }
 
     /// The state at rest.
@@ -206,12 +206,12 @@ impl Vehicle {
     }
 
     fn acceleration(&self, y: &[f64; STATES]) -> f64 {
-        if self.way == 0.0 {
+        if self.direction == 0.0 {
             return 0.0;
         }
         let p = &self.p;
         let k = p.gear / p.radius;
-        (self.force(y) - self.way * self.rolling()) / (p.mass + p.j * k * k)
+        (self.force(y) - self.direction * self.rolling()) / (p.mass + p.j * k * k)
     }
 
     /// The PID's raw output.
@@ -257,7 +257,11 @@ impl Vehicle {
     }
 
     fn friction_margin(&self, y: &[f64; STATES]) -> f64 {
-        if self.way == 0.0 { self.rolling() - self.force(y).abs() } else { self.way * y[V] }
+        if self.direction == 0.0 {
+            self.rolling() - self.force(y).abs()
+        } else {
+            self.direction * y[V]
+        }
     }
 
     fn limit_margin(&self, t: f64, y: &[f64; STATES]) -> f64 {
@@ -284,7 +288,7 @@ impl System<STATES> for Vehicle {
     fn switch(&mut self, t: f64, y: &mut [f64; STATES]) {
         if self.friction_margin(y) < 0.0 {
             let force = self.at_standstill(y);
-            self.way = if force.abs() <= self.rolling() { 0.0 } else { force.signum() };
+            self.direction = if force.abs() <= self.rolling() { 0.0 } else { force.signum() };
         }
         if self.limit_margin(t, y) < 0.0 {
             let (raw, pid) = (self.raw(t, y), &self.p.pid);
@@ -319,7 +323,7 @@ impl Vehicle {
 
     /// Stops the vehicle; the force that is then left.
     fn at_standstill(&self, y: &mut [f64; STATES]) -> f64 {
-        if self.way != 0.0 {
+        if self.direction != 0.0 {
             y[V] = 0.0;
         }
         self.force(y)

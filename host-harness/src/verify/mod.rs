@@ -16,21 +16,21 @@ pub mod endurance;
 mod equations;
 mod motor;
 mod pmsm;
-mod report;
 mod signals;
 mod tolerance;
 mod trip;
 mod udds;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use plant_core::powertrain::ledger::EnergyReport;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::simulate::progress::Progress;
 use tolerance::{Bound, Within};
-pub use udds::step_sizes;
+pub use udds::{StepRow, step_sizes};
 
 /// One figure against its target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,7 +83,7 @@ impl Check {
     }
 
     /// A check without a figure: skipped (`pass` none), or gone wrong.
-    fn without(case: &str, quantity: &str, pass: Option<bool>, reason: String) -> Self {
+    pub(crate) fn without(case: &str, quantity: &str, pass: Option<bool>, reason: String) -> Self {
         Self {
             name: case.to_owned(),
             quantity: quantity.to_owned(),
@@ -146,7 +146,7 @@ pub struct Covered {
 
 /// Everything that was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct ValidationReport {
     /// Every check, in a fixed order.
     pub cases: Vec<Check>,
     /// What each case covers.
@@ -159,6 +159,14 @@ pub struct Report {
     pub skipped: usize,
     /// How long it took \[s\].
     pub wall_s: f64,
+}
+
+impl ValidationReport {
+    /// Whether no check failed.
+    #[must_use]
+    pub const fn is_good(&self) -> bool {
+        self.failed == 0
+    }
 }
 
 /// Every case: the longest first, so that the work spreads well.
@@ -183,19 +191,14 @@ pub fn covered() -> Vec<Covered> {
 
 /// Runs every case, in parallel.
 #[must_use]
-pub fn run(show_progress: bool) -> Report {
-    run_all(&cases(), show_progress)
+pub fn run(progress: &dyn Progress) -> ValidationReport {
+    run_all(&cases(), progress)
 }
 
-fn run_all(cases: &[Case], show_progress: bool) -> Report {
+fn run_all(cases: &[Case], progress: &dyn Progress) -> ValidationReport {
     let started = Instant::now();
-    let bar = if show_progress {
-        let style = ProgressStyle::with_template("{bar:40} {pos} of {len} cases  {msg}");
-        let bar = ProgressBar::new(cases.len() as u64);
-        style.map_or(bar.clone(), |style| bar.with_style(style))
-    } else {
-        ProgressBar::hidden()
-    };
+    let done = AtomicUsize::new(0);
+    progress.at(0, cases.len(), "");
     let found: Vec<Vec<Check>> = cases
         .par_iter()
         .map(|case| {
@@ -204,15 +207,13 @@ fn run_all(cases: &[Case], show_progress: bool) -> Report {
                 let check = Check::without(case.name, "the run", Some(false), format!("{error:#}"));
                 checks.list.push(check);
             }
-            bar.set_message(case.name);
-            bar.inc(1);
+            progress.at(1 + done.fetch_add(1, Ordering::Relaxed), cases.len(), case.name);
             checks.list
         })
         .collect();
-    bar.finish_and_clear();
     let cases_found: Vec<Check> = found.into_iter().flatten().collect();
     let count = |pass| cases_found.iter().filter(|c| c.pass == pass).count();
-    Report {
+    ValidationReport {
         passed: count(Some(true)),
         failed: count(Some(false)),
         skipped: cases_found.iter().filter(|c| c.pass.is_none() && c.obtained.is_none()).count(),
@@ -225,6 +226,7 @@ fn run_all(cases: &[Case], show_progress: bool) -> Report {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::progress::Unseen;
 
     fn verdict(within: Within, target: Option<f64>, obtained: f64) -> Option<bool> {
         let bound = Bound {
@@ -267,11 +269,15 @@ mod tests {
                 Case { name: "broken", models: &[], run: broken },
                 Case { name: "skipped", models: &[], run: skipped },
             ],
-            false,
+            &Unseen,
         );
         assert_eq!((report.passed, report.failed, report.skipped), (0, 1, 1));
         assert_eq!(report.cases[0].name, "broken");
-        assert!(report.table().contains("on purpose") && report.table().contains("SKIPPED"));
+        assert_eq!(report.cases[0].reason, "on purpose");
+        assert_eq!(
+            (report.cases[1].reason.as_str(), report.cases[1].pass),
+            ("nothing there", None)
+        );
         assert!(!report.is_good());
     }
 

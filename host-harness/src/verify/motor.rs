@@ -1,4 +1,4 @@
-//! The DC motor's step from 60 V to 248 V (`EPowertrain` 2025, section 5.1).
+//! The DC motor's step from 60 V to 248 V (`EPowertrain2025`, section 5.2.1).
 
 use plant_core::Dt;
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};

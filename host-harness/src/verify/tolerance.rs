@@ -55,7 +55,7 @@ const ADAPTIVE: &str = "adaptive solution";
 const CLOSED: &str = "closed form";
 const RECOMPUTED: &str = "recomputed";
 const CONSERVATION: &str = "conservation";
-const MEASURED: &str = "measured (EPowertrain 2025, section 5.1)";
+const MEASURED: &str = "measured (EPowertrain2025, section 5.2.1)";
 
 /// The adaptive solution of a UDDS set against earlier recomputations: SOC, energy, torque
 /// (lowest, highest), current (lowest, highest), speed error.

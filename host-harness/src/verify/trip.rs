@@ -1,5 +1,5 @@
-//! Closed loop along a trip (`EPowertrain` 2025, section 5.5): the synthetic one that is part of the
-//! project, and `TripA01` where `VOLTSTEP_DATA` says it is.
+//! Closed loop along a trip (`EPowertrain2025`, sections 5.4 and 5.5): the synthetic one that is part
+//! of the project, and `TripA01` where `VOLTSTEP_DATA` says it is.
 
 use std::path::Path;
 
@@ -9,9 +9,10 @@ use super::adaptive::{Clock, integrate};
 use super::equations::{ENERGY, I3, Parameters, SOC, Stretch, V, Vehicle};
 use super::tolerance as t;
 use super::{Case, Checks};
-use crate::cli::Mode;
 use crate::read::trip::{self, Trip};
-use crate::read::vehicle;
+use crate::read::{input, vehicle};
+use crate::simulate::mode::Mode;
+use crate::simulate::progress::Unseen;
 use crate::simulate::replay::{self, Options};
 use crate::simulate::route::{Route, Row};
 use crate::simulate::run;
@@ -76,7 +77,7 @@ fn against_adaptive(checks: &mut Checks, trip: &Trip) -> anyhow::Result<()> {
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     let (exact, run) = rayon::join(
         || solve(&route, soc),
-        || run::vehicle(&vehicle, &route, soc as f32, DT_S, true, false),
+        || run::vehicle(&vehicle, &route, soc as f32, DT_S, true, &Unseen),
     );
     let (exact, run) = (exact?, run?);
     let energy = run.energy.context("a run without a ledger")?;
@@ -99,17 +100,10 @@ fn real(checks: &mut Checks) -> anyhow::Result<()> {
         checks.skipped("VOLTSTEP_DATA is not set: it names the folder that has the real trips");
         return Ok(());
     };
-    let trip = trip::read(Path::new(&folder).join("bmw-i3-trips").join("TripA01.csv"))?;
-    let options = |mode| Options {
-        vehicle: VEHICLE.to_owned(),
-        mode,
-        dt_ms: DT_S * 1000.0,
-        ledger: true,
-        show_progress: false,
-    };
+    let trip = input::trip(&Path::new(&folder).join("bmw-i3-trips").join("TripA01.csv"))?;
     let replayed = |mode| {
-        let vehicle = vehicle::load(VEHICLE)?;
-        replay::of_trip(vehicle, trip.clone(), mode, &options(mode))
+        let options = Options { mode, dt_s: DT_S, ledger: true };
+        replay::of_trip(vehicle::load(VEHICLE)?, trip.clone(), options, &Unseen)
     };
     let (battery, whole) = rayon::join(|| replayed(Mode::Battery), || replayed(Mode::Vehicle));
     let battery = battery?.summary.error.context("no comparison")?;

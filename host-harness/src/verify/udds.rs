@@ -1,4 +1,4 @@
-//! UDDS in closed loop, with both parameter sets (`EPowertrain` 2025, section 5.4).
+//! UDDS in closed loop, with both parameter sets (`EPowertrain2025`, section 5.3).
 
 use anyhow::Context;
 
@@ -7,6 +7,7 @@ use super::equations::{DISTANCE, ENERGY, Parameters, SOC, Stretch, UDDS, UDDS_TA
 use super::tolerance::{self as t, Bound};
 use super::{Case, Checks};
 use crate::read::{cycle, vehicle};
+use crate::simulate::progress::Unseen;
 use crate::simulate::route::{Route, Row};
 use crate::simulate::run::{self, Run};
 
@@ -142,42 +143,47 @@ impl Distance {
 /// Steps of which the table of step sizes tells \[ms\].
 const STEPS_MS: [f64; 5] = [2.0, 1.0, 0.5, 0.2, 0.1];
 
-/// The error of each step, what it dissipates and how many a second takes, as a Markdown table:
-/// UDDS with `epowertrain-udds` against the adaptive solution.
+/// What the length of a step costs in accuracy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepRow {
+    /// Length of a step \[ms\].
+    pub step_ms: f64,
+    /// Largest difference of the state of charge, 0..1.
+    pub soc: f64,
+    /// Difference of the energy out of the battery's chemistry, relative.
+    pub energy_rel: f64,
+    /// Root mean square of the difference in speed \[m/s\].
+    pub speed_rms_m_s: f64,
+    /// What the step itself dissipates, over the throughput.
+    pub numerical_rel: f64,
+}
+
+/// The error of each step and what it dissipates: UDDS with `epowertrain-udds` against the adaptive
+/// solution.
 ///
 /// # Errors
 /// A run that diverged.
-pub fn step_sizes() -> anyhow::Result<String> {
+pub fn step_sizes() -> anyhow::Result<Vec<StepRow>> {
     let cycle = cycle::by_name("udds").context("no cycle `udds`")?;
     let vehicle = vehicle::load("epowertrain-udds")?;
     let route = route(&cycle.points);
     let exact = solve(UDDS, &cycle.points)?;
-    let mut table = String::from(
-        "| step [ms] | SOC, largest error | energy, error [%] | speed, RMS error [m/s] | \
-         numerical dissipation [%] | steps a second |\n|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for step_ms in STEPS_MS {
-        let run =
-            run::vehicle(&vehicle, &route, vehicle.initial_soc, step_ms / 1000.0, true, false)?;
+    let row = |step_ms| {
+        let dt_s = step_ms / 1000.0;
+        let run = run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, &Unseen)?;
         let energy = run.energy.context("a run without a ledger")?;
-        let off = Distance::between(&exact, &run)?;
-        table += &format!(
-            "| {step_ms} | {:.1e} | {:.3} | {:.1e} | {:.4} | {:.0} |\n",
-            off.soc,
-            100.0 * off.energy_rel,
-            off.speed_rms,
-            100.0 * f64::from(energy.numerical / energy.throughput),
-            1000.0 / step_ms,
-        );
-    }
-    Ok(table)
+        let Distance { soc, energy_rel, speed_rms } = Distance::between(&exact, &run)?;
+        let numerical_rel = f64::from(energy.numerical / energy.throughput);
+        Ok(StepRow { step_ms, soc, energy_rel, speed_rms_m_s: speed_rms, numerical_rel })
+    };
+    STEPS_MS.into_iter().map(row).collect()
 }
 
 fn both(checks: &mut Checks, name: &str, p: Parameters, bounds: &Bounds) -> anyhow::Result<()> {
     let cycle = cycle::by_name("udds").context("no cycle `udds`")?;
     let vehicle = vehicle::load(name)?;
     let route = route(&cycle.points);
-    let drive = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, false);
+    let drive = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, &Unseen);
     let (exact, (coarse, fine)) =
         rayon::join(|| solve(p, &cycle.points), || rayon::join(|| drive(1e-3), || drive(1e-4)));
     let (exact, coarse, fine) = (exact?, coarse?, fine?);

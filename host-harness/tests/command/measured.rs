@@ -73,9 +73,11 @@ fn refuses_a_folder_without_trips() {
     let sandbox = Sandbox::new();
     sandbox.write("empty/notes.txt", "no trip");
     sandbox.write("wrong/cycle.csv", "time_s,speed_m_s\n0,0\n1,1\n");
-    for (folder, part) in
-        [("empty", "no .csv file"), ("nowhere", "cannot be read"), ("wrong", "cycle.csv:1")]
-    {
+    for (folder, part) in [
+        ("empty", "no .csv file"),
+        ("nowhere", "cannot be read"),
+        ("wrong", "cycle.csv:1:1: this is a driving cycle"),
+    ] {
         let run = sandbox.run(&["validate", "--trips", folder]);
         assert_eq!(run.code, Some(2), "{folder}");
         assert!(run.stderr.contains(part), "{folder}: {}", run.stderr);

@@ -118,15 +118,15 @@ fn trip_files() {
     refused(
         &sandbox(),
         &[
-            (&["trip-no-column.csv"], &["trip-no-column.csv:1: no column `SoC [%]`", "`Charge`"]),
+            (&["trip-no-column.csv"], &["trip-no-column.csv:1:1: no column `SoC [%]`", "`Charge`"]),
             (&["trip-text.csv"], &["trip-text.csv:3:11: `abc` for Battery Voltage"]),
             (&["trip-comma.csv"], &["trip-comma.csv:3:3: `3,6` for Velocity", "decimal point"]),
             (&["trip-backwards.csv"], &["trip-backwards.csv:4:1: time does not rise", "0.5 s"]),
             (&["trip-nan.csv"], &["trip-nan.csv:3:15: `NaN` for Battery Current"]),
-            (&["trip-short-row.csv"], &["trip-short-row.csv:3: 5 fields; expected 6"]),
+            (&["trip-short-row.csv"], &["trip-short-row.csv:3:19: 5 fields; expected 6"]),
             (&["trip-header-only.csv"], &["trip-header-only.csv: 0 samples"]),
             (&["trip-no-soc.csv"], &["trip-no-soc: no state of charge"]),
-            (&["trip-binary.csv"], &["trip-binary.csv:1: no column `Time [s]`"]),
+            (&["trip-binary.csv"], &["trip-binary.csv:1:1: no column `Time [s]`"]),
             (&["trip-text.csv", "--mode", "battery"], &["trip-text.csv:3:11: "]),
             (&["cycle.csv", "--mode", "battery"], &["`cycle` is a driving cycle", "a trip"]),
             (&["udds", "--mode", "battery"], &["`udds` is a driving cycle", "a trip"]),

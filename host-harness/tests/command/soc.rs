@@ -81,8 +81,10 @@ fn refuses_bad_usage_and_bad_files() {
         (&[TRIP, "--current-bias-a", "inf"], "--current-bias-a inf"),
         (&[TRIP, "--matrix", "--current-bias-a", "1"], "cannot be used with"),
         (&[TRIP, "--cell", "no-such-cell"], "no-such-cell"),
-        // Neither a cell test nor a trip: no column to name. Then one with a column.
-        (&["cycle.csv"], "cycle.csv:1: no column"),
+        (
+            &["cycle.csv"],
+            "cycle.csv:1:1: this is a driving cycle; expected a trip (columns separated by",
+        ),
         (&["text.csv"], "text.csv:2:1: 7 fields"),
     ] {
         let run = sandbox.run(&[&["soc"], args].concat());

@@ -1,5 +1,11 @@
 //! What a [`MappedBattery`](super::MappedBattery) is made of: quantities over the state of charge
 //! and the temperature, and the lumped thermal node.
+//!
+//! - `R(s, T) = R(s)·exp(E·(1/T − 1/298.15 K))` \[Arrhenius1889, as an activation temperature\]
+//! - `dh/dSOC = γ·(sgn − h)` \[Plett2004Part2, eq. 22\]
+//! - `C·dT/dt = (OCV − V)·I − k·(T − T_ambient)` \[Bernardi1985, without the entropic term\]
+//!
+//! Tests: below and in `mapped/tests.rs`; property `mapped`; case "battery with maps".
 
 use super::{BatteryParams, OpenCircuit};
 use crate::error::{ParamError, check, limit, not_negative, positive, ratio};
@@ -52,7 +58,7 @@ impl OverSoc {
 }
 
 /// A resistance over state of charge and temperature:
-/// `R(s, T) = R(s)·exp(E·(1/T − 1/298.15 K))` (Arrhenius 1889, as an activation temperature).
+/// `R(s, T) = R(s)·exp(E·(1/T − 1/298.15 K))` \[Arrhenius1889, as an activation temperature\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -141,7 +147,7 @@ impl BranchMap {
     }
 }
 
-/// One-state hysteresis of the open-circuit voltage (Plett 2004, part 2, eq. 22):
+/// One-state hysteresis of the open-circuit voltage \[Plett2004Part2, eq. 22\]:
 /// `dh/dSOC = γ·(sgn − h)`, `V_oc = OCV(SOC) + M·h`, with h towards 1 when charging.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -174,8 +180,8 @@ impl Default for HysteresisParams {
     }
 }
 
-/// A lumped thermal node: `C·dT/dt = (OCV − V)·I − k·(T − T_ambient)` (Bernardi, Pawlikowski and
-/// Newman 1985, without the entropic term).
+/// A lumped thermal node: `C·dT/dt = (OCV − V)·I − k·(T − T_ambient)` \[Bernardi1985,
+/// without the entropic term\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -185,6 +191,7 @@ impl Default for HysteresisParams {
 )]
 pub struct ThermalParams {
     /// Heat capacity \[J/K\], above zero; infinity: the temperature stays as it is set.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub heat_capacity_j_per_k: Real,
     /// Cooling to the surroundings \[W/K\], ≥ 0.
     pub cooling_w_per_k: Real,
@@ -292,7 +299,8 @@ impl Default for IdentifiedRange {
     }
 }
 
-/// What is known about a battery whose parameters depend on state of charge and temperature.
+/// Parameters of a [`MappedBattery`](super::MappedBattery): they depend on state of charge and
+/// temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -304,8 +312,10 @@ pub struct MappedBatteryParams {
     /// Charge between SOC 0 and 1 \[A·h\], above zero.
     pub capacity_ah: Real,
     /// Largest discharge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub discharge_limit_a: Real,
     /// Largest charge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub charge_limit_a: Real,
     /// How often resistances and temperature follow \[s\], above zero: well below the time in
     /// which state of charge or temperature change them.

@@ -1,5 +1,12 @@
 //! A battery whose resistances depend on state of charge and temperature, with two RC branches,
 //! hysteresis and a thermal node.
+//!
+//! `V = OCV(s) + M·h − R0(s, T)·I − v1 − v2`, `τk·dvk/dt = Rk(s, T)·I − vk` \[ChenRinconMora2006,
+//! eq. 1 and fig. 2, with resistances over the temperature\]; hysteresis \[Plett2004Part2\] and
+//! heat \[Bernardi1985\] as `map` says. A constant τk where R varies is ours.
+//!
+//! Tests: `tests` below; property `mapped`; cases "battery with maps", "UDDS, bmw-i3-60ah with its
+//! battery map".
 
 use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, temperature};
 use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
@@ -11,13 +18,29 @@ use crate::port::Source;
 /// A battery with parameters over state of charge and temperature, discretised for one step.
 ///
 /// With discharge current positive, `s` the state of charge and `T` the temperature:
-/// `V = OCV(s) + M·h − R0(s, T)·I − v1 − v2`, `τk·dvk/dt = Rk(s, T)·I − vk` (Chen and Rincón-Mora
-/// 2006, eq. 1 and fig. 2, with resistances over the temperature). The open-circuit voltage and
+/// `V = OCV(s) + M·h − R0(s, T)·I − v1 − v2`, `τk·dvk/dt = Rk(s, T)·I − vk` \[ChenRinconMora2006,
+/// eq. 1 and fig. 2, with resistances over the temperature\]. The open-circuit voltage and
 /// the hysteresis are taken at the old state, the rest implicitly, so within one step the battery
 /// is a [`Source`].
 ///
 /// Resistances and temperature change slowly: every [`refresh_s`](MappedBatteryParams::refresh_s)
 /// they follow, in between a step costs little more than that of [`Battery`](super::Battery).
+///
+/// ```
+/// use plant_core::battery::{MappedBattery, MappedBatteryInput};
+/// use plant_core::presets::PANASONIC_NCR18650PF;
+/// use plant_core::{Dt, ParamError, must};
+///
+/// const CELL: MappedBattery =
+///     must!(MappedBattery::new(PANASONIC_NCR18650PF, must!(Dt::from_s(0.1))));
+///
+/// let (mut warm, mut cold) = (CELL.rested_at(0.6, 25.0)?, CELL.rested_at(0.6, 0.0)?);
+/// let load = MappedBatteryInput { current_a: 3.0 };
+/// let (at_25_c, at_0_c) = (CELL.step(&mut warm, load), CELL.step(&mut cold, load));
+/// assert!(at_0_c.terminal_v < at_25_c.terminal_v); // resistance rises in the cold
+/// assert_eq!(at_0_c.soc, at_25_c.soc);
+/// # Ok::<(), ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedBattery {
     pub(super) params: MappedBatteryParams,
@@ -27,7 +50,8 @@ pub struct MappedBattery {
     pub(super) capacity_c: Real,
     dt_s: Real,
     refresh_steps: u32,
-    /// K per J of heat over one refresh, and the share of the way to the surroundings.
+    /// K per J of heat over one refresh, and the share of the difference to the surroundings that
+    /// is lost in it.
     warming_k_per_j: Real,
     cooling_gain: Real,
 }
@@ -75,14 +99,14 @@ impl MappedBatteryState {
     }
 }
 
-/// The current imposed on a [`MappedBattery`] that steps on its own.
+/// Input of a [`MappedBattery`] that steps on its own: the current imposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedBatteryInput {
     /// Current \[A\], positive when discharging.
     pub current_a: Real,
 }
 
-/// What one step of a [`MappedBattery`] says.
+/// Output of one step of a [`MappedBattery`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(clippy::struct_excessive_bools, reason = "independent flags")]
@@ -266,8 +290,8 @@ impl MappedBattery {
         let soc_drop = current_a * self.soc_per_a;
         next.soc.add(-soc_drop);
         if self.params.hysteresis.half_gap_v > 0.0 {
-            let way = lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs());
-            next.hysteresis.add(way * (-sign(current_a) - next.hysteresis.get()));
+            let share = lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs());
+            next.hysteresis.add(share * (-sign(current_a) - next.hysteresis.get()));
         }
         next.heat_j += overpotential_v * current_a * self.dt_s;
         next

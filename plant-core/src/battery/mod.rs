@@ -1,8 +1,15 @@
 //! Batteries: open-circuit voltage, series resistance, RC branches, state of charge.
 //!
-//! [`Battery`] has constant parameters and one RC branch. [`MappedBattery`] has parameters over
-//! state of charge and temperature, a second branch, hysteresis and a thermal node. Either can
-//! sit in the coupled plant, which asks of it what [`Pack`] says.
+//! [`Battery`] has constant parameters and one RC branch; with discharge current positive
+//! \[EPowertrain2025, eq. 3.6 to 3.9, errata applied\]:
+//! `dSOC/dt = −I/(3600·Q)`, `C·dV_rc/dt = I − V_rc/R_p`, `V = V_oc(SOC) − R_s·I − V_rc`.
+//!
+//! [`MappedBattery`] has parameters over state of charge and temperature, a second branch,
+//! hysteresis and a thermal node. Either can sit in the coupled plant, which asks of it what
+//! [`Pack`] says.
+//!
+//! Tests: `tests` below; properties `charge`, `finite`, `monotony`, `refusal`; order of convergence
+//! in `tests/tests/order.rs`; case "battery".
 
 mod map;
 mod mapped;
@@ -29,7 +36,7 @@ use crate::port::Source;
 /// A battery within this of 0 or 1 counts as depleted or full.
 pub const SOC_MARGIN: Real = 1e-6;
 
-/// What is known about a battery (a cell, or a pack as one).
+/// Parameters of a battery (a cell, or a pack as one).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -47,17 +54,45 @@ pub struct BatteryParams {
     /// The RC branch.
     pub polarisation: RcBranchParams,
     /// Largest discharge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub discharge_limit_a: Real,
     /// Largest charge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub charge_limit_a: Real,
 }
 
 /// A battery, discretised for one step.
 ///
-/// With discharge current positive (EPowertrain 2025, eq. 3.6 to 3.9, errata applied):
-/// `dSOC/dt = −I/(3600·Q)`, `C·dV_rc/dt = I − V_rc/R_p`, `V = V_oc(SOC) − R_s·I − V_rc`.
 /// The open-circuit voltage is taken at the old SOC, the rest implicitly, so within one step the
 /// battery is a [`Source`].
+///
+/// ```
+/// use plant_core::battery::{
+///     Battery, BatteryInput, BatteryParams, BatteryState, OpenCircuit, RcBranchParams,
+/// };
+/// use plant_core::{Dt, ParamError, must};
+///
+/// const CELL: Battery = must!(Battery::new(
+///     BatteryParams {
+///         open_circuit: OpenCircuit::Linear { empty_v: 3.0, full_v: 4.2 },
+///         capacity_ah: 2.0,
+///         series_resistance_ohm: 0.03,
+///         polarisation: RcBranchParams { resistance_ohm: 0.02, capacitance_f: 1000.0 },
+///         discharge_limit_a: 10.0,
+///         charge_limit_a: 2.0,
+///     },
+///     must!(Dt::from_s(1.0)),
+/// ));
+///
+/// let mut state = BatteryState::rested(1.0)?;
+/// let mut out = CELL.step(&mut state, BatteryInput { current_a: 2.0 });
+/// for _ in 1..1800 {
+///     out = CELL.step(&mut state, BatteryInput { current_a: 2.0 });
+/// }
+/// assert!((out.soc - 0.5).abs() < 1e-5); // half an hour at 1C
+/// assert!((out.open_circuit_v - out.terminal_v - 2.0 * 0.05).abs() < 1e-4);
+/// # Ok::<(), ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Battery {
     pub(crate) open_circuit: OpenCircuit,
@@ -92,14 +127,14 @@ impl BatteryState {
     }
 }
 
-/// The current imposed on a [`Battery`] that steps on its own.
+/// Input of a [`Battery`] that steps on its own: the current imposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatteryInput {
     /// Current \[A\], positive when discharging.
     pub current_a: Real,
 }
 
-/// What one step of a [`Battery`] says.
+/// Output of one step of a [`Battery`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BatteryOutput {

@@ -1,4 +1,8 @@
-//! The open-circuit voltage over the state of charge.
+//! The open-circuit voltage over the state of charge: a straight line
+//! `V_oc = empty_v + (full_v − empty_v)·SOC` \[EPowertrain2025, eq. 3.7\], or a table, which is
+//! ours.
+//!
+//! Tests: below; cases "battery", "battery with maps".
 
 use crate::error::{ParamError, check, finite};
 use crate::num::{Real, SocTable};
@@ -10,7 +14,7 @@ use crate::num::{Real, SocTable};
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase", deny_unknown_fields))]
 #[expect(clippy::large_enum_variant, reason = "no allocation: the table lives in flash")]
 pub enum OpenCircuit {
-    /// `V_oc = empty_v + (full_v − empty_v)·SOC` (EPowertrain 2025, eq. 3.8).
+    /// `V_oc = empty_v + (full_v − empty_v)·SOC` \[EPowertrain2025, eq. 3.7\].
     Linear {
         /// Voltage at SOC 0 \[V\].
         empty_v: Real,

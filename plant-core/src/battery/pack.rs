@@ -1,4 +1,6 @@
 //! What the coupled plant asks of a battery, whichever model it is.
+//!
+//! Tests: those of the batteries and of the powertrain.
 
 use super::{Battery, BatteryState, CurrentLimits, MappedBattery, MappedBatteryState};
 use crate::error::ParamError;

@@ -65,7 +65,7 @@ fn stops_at_empty_and_full_and_says_what_it_refused() {
         let asked = f64::from(current) * 100.0;
         assert!((flowed + refused - asked).abs() < 1e-4 * asked.abs(), "{flowed} {refused}");
         assert!((flowed.abs() - 7.2).abs() < 0.01, "{flowed}");
-        // and the other way is open
+        // and the other direction is open
         assert!(b.step(&mut s, load(-current / 10.0)).current_a != 0.0);
     }
 }

@@ -1,4 +1,16 @@
 //! Drivers: from a speed reference to a duty and a brake force.
+//!
+//! [`DriverParams::Duty`] is the reference system's \[EPowertrain2025, section 5.3\]: a PID from
+//! the speed error straight to the duty.
+//!
+//! [`DriverParams::Torque`] is ours, in the usual order, with k the motor's turns (rad) per metre:
+//! force `F = PID(v_ref, v) + m·dv_ref/dt`, torque `T = F/k` within peak torque and power and what
+//! regeneration may do at this speed and state of charge; the friction brake takes the rest.
+//! Current `i* = T/Kt`; duty `D = ((L'+ R)·i* − L'·i + Ke·k·v + V_d·i/(|i| + i_ε))/V`, a current
+//! controller with feed-forward of the back-EMF. `L' = L·λ/(1 + h·λ)` for a bandwidth λ: at most
+//! `L/h`, so that the loop is stable at any step.
+//!
+//! Tests: `tests` below; properties `finite_plant`, `refusal`; cases "UDDS", "trip".
 
 use crate::control::pid::{Pid, PidInput, PidParams, PidState};
 use crate::converter::DROP_FADE_A;
@@ -10,7 +22,7 @@ use crate::powertrain::{Feedback, PowertrainParams};
 /// Below this speed the vehicle counts as standing \[m/s\].
 pub const STANDSTILL_M_S: Real = 0.02;
 
-/// How a vehicle is driven.
+/// Parameters of a [`Driver`]: how a vehicle is driven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -22,7 +34,7 @@ pub enum DriverParams {
     Torque(TorqueDriverParams),
 }
 
-/// What is known about the driver of a real vehicle and its torque control.
+/// Parameters of the driver of a real vehicle and its torque control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -34,12 +46,15 @@ pub struct TorqueDriverParams {
     /// The speed controller: from m/s to the force at the road \[N\].
     pub speed: PidParams,
     /// Peak torque of the motor \[N·m\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub peak_torque_nm: Real,
     /// Peak mechanical power of the motor \[W\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub peak_power_w: Real,
     /// Largest regenerative torque \[N·m\], ≥ 0.
     pub regen_torque_nm: Real,
     /// Largest regenerative mechanical power \[W\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub regen_power_w: Real,
     /// Below this speed regeneration fades to zero \[m/s\], above zero.
     pub regen_fade_m_s: Real,
@@ -51,7 +66,7 @@ pub struct TorqueDriverParams {
     pub current_rate_per_s: Real,
 }
 
-/// What drives a [`Driver`].
+/// Input of a [`Driver`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriverInput {
     /// The speed to follow \[m/s\].
@@ -62,7 +77,7 @@ pub struct DriverInput {
     pub vehicle: Feedback,
 }
 
-/// What a [`Driver`] commands.
+/// Output of a [`Driver`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DriverOutput {
@@ -85,6 +100,28 @@ pub struct DriverState {
 }
 
 /// A driver, discretised for one step. A sampled controller: it sees the end of the last step.
+///
+/// ```
+/// use plant_core::control::driver::{Driver, DriverInput, DriverState};
+/// use plant_core::powertrain::{Feedback, Powertrain, PowertrainInput};
+/// use plant_core::presets::EPOWERTRAIN_UDDS as CAR;
+/// use plant_core::{Dt, ParamError, must};
+///
+/// const DT: Dt = must!(Dt::from_s(0.001));
+/// const PLANT: Powertrain = must!(Powertrain::new(CAR.powertrain, DT));
+/// const DRIVER: Driver = must!(Driver::new(CAR.driver, &CAR.powertrain, DT));
+///
+/// let (mut plant, mut driver) = (PLANT.at_rest(0.8)?, DriverState::default());
+/// let mut seen = PLANT.feedback(&plant);
+/// for _ in 0..10_000 {
+///     let drive = DriverInput { reference_m_s: 5.0, reference_m_s2: 0.0, vehicle: seen };
+///     let command = DRIVER.step(&mut driver, drive);
+///     let input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
+///     seen = Feedback::from(&PLANT.step(&mut plant, input));
+/// }
+/// assert!((seen.speed_m_s - 5.0).abs() < 0.02);
+/// # Ok::<(), ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver {
     /// See [`DriverParams::Duty`].
@@ -93,7 +130,7 @@ pub enum Driver {
     Torque(TorqueDriver),
 }
 
-/// See [`DriverParams::Torque`].
+/// The driver of a real vehicle, see [`DriverParams::Torque`]; [`Driver`] holds one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueDriver {
     params: TorqueDriverParams,
@@ -115,9 +152,9 @@ impl Driver {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(
+    pub const fn new<P>(
         params: DriverParams,
-        vehicle: &PowertrainParams,
+        vehicle: &PowertrainParams<P>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         match params {
@@ -164,9 +201,9 @@ impl TorqueDriver {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(
+    pub const fn new<P>(
         params: TorqueDriverParams,
-        vehicle: &PowertrainParams,
+        vehicle: &PowertrainParams<P>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         check!(limit("driver.torque.peak_torque_nm", params.peak_torque_nm));
@@ -269,7 +306,7 @@ impl TorqueDriver {
 
     /// The torque command \[N·m\] and the friction brake \[N\] where a limit acts, backwards, and at
     /// standstill: the brake takes what the motor may not do, or what the battery does not let it
-    /// do. Tells the speed controller which way it is held back.
+    /// do. Tells the speed controller in which direction it is held back.
     #[cold]
     fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
         let vehicle = &input.vehicle;
@@ -280,23 +317,23 @@ impl TorqueDriver {
         }
         let forward = if v == 0.0 { input.reference_m_s >= 0.0 } else { v > 0.0 };
         // From here on torques and forces count in the direction of motion.
-        let way = if forward { 1.0 } else { -1.0 };
-        let wanted_nm = way * wanted_nm;
+        let direction = if forward { 1.0 } else { -1.0 };
+        let wanted_nm = direction * wanted_nm;
         let command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
         let mut short_nm = command_nm - wanted_nm;
         if vehicle.limited && wanted_nm < 0.0 {
-            short_nm += max(way * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
+            short_nm += max(direction * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
         }
         let demand_n = short_nm * self.motor_rad_per_m;
-        let direction = if demand_n < 0.0 {
-            way // the drive gives less than wanted
+        let saturation = if demand_n < 0.0 {
+            direction // the drive gives less than wanted
         } else if demand_n > self.params.brake_limit_n {
-            -way // even the brake does
+            -direction // even the brake does
         } else {
             0.0
         };
-        Pid::saturate(&mut state.speed, direction);
-        (way * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
+        Pid::saturate(&mut state.speed, saturation);
+        (direction * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
     }
 }
 

@@ -1,10 +1,21 @@
 //! PID controller: dead zone, output limits, anti-windup, smoothing.
+//!
+//! `e = ref − in`, `raw = K·e + D·de/dt + ∫I·e dt`; within the dead zone the target is 0, beyond a
+//! limit the limit, else `raw`; the output follows the target, `d out/dt = Smt·(target − out)`
+//! \[EPowertrain2025, eq. 4.21 to 4.29\]. The filter of the derivative, the derivative of the
+//! measurement and the directional anti-windup are ours.
+//!
+//! A sampled controller: it sees the state at the start of the step. The integral carries its gain,
+//! so gains can change without a bump.
+//!
+//! Tests: `tests` below; properties `finite`, `refusal`; order of convergence in
+//! `tests/tests/order.rs`; case "PID".
 
 use crate::error::{ParamError, above, check, finite, limit, not_negative};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, LARGEST_PARAM, Real, clamp, lag_gain, sane, sound};
 
-/// What is known about a PID controller. `Default` is that of the reference system, but for the
+/// Parameters of a PID controller. `Default` is that of the reference system, but for the
 /// anti-windup: K 1, no I, no D, no dead zone, no limits, smoothing 1e6 1/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -27,10 +38,13 @@ pub struct PidParams {
     /// Below this magnitude the raw output counts as zero, ≥ 0; 0 for no dead zone.
     pub dead_zone: Real,
     /// Lowest output; −infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited::below"))]
     pub output_min: Real,
     /// Highest output, above the lowest; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub output_max: Real,
     /// Rate at which the output follows its target \[1/s\], above zero; infinity for at once.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub smoothing_per_s: Real,
     /// What the integral does in saturation.
     pub anti_windup: AntiWindup,
@@ -77,7 +91,7 @@ pub enum DerivativeOf {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum AntiWindup {
-    /// It stands still (EPowertrain 2025, eq. 4.21 to 4.29).
+    /// It stands still \[EPowertrain2025, eq. 4.21 to 4.29\].
     Freeze,
     /// It may move back out of saturation, and counts saturation further down the loop too
     /// ([`Pid::feed_back`]).
@@ -87,10 +101,22 @@ pub enum AntiWindup {
 
 /// A PID controller, discretised for one step.
 ///
-/// `e = ref − in`, `raw = K·e + D·de/dt + ∫I·e dt`; within the dead zone the target is 0, beyond a
-/// limit the limit, else `raw`; the output follows the target, `d out/dt = Smt·(target − out)`
-/// (EPowertrain 2025, eq. 4.21 to 4.29). A sampled controller: it sees the state at the start of
-/// the step. The integral carries its gain, so gains can change without a bump.
+/// ```
+/// use plant_core::control::pid::{Pid, PidInput, PidParams, PidState};
+/// use plant_core::{Dt, must};
+///
+/// const PI: Pid = must!(Pid::new(
+///     PidParams { proportional: 0.5, integral_per_s: 1.0, ..PidParams::DEFAULT },
+///     must!(Dt::from_s(0.01)),
+/// ));
+///
+/// let (mut state, mut level) = (PidState::default(), 0.0);
+/// for _ in 0..2000 {
+///     let out = PI.step(&mut state, PidInput { reference: 3.0, measurement: level });
+///     level += 0.01 * (out.output - level); // a lag of 1 s
+/// }
+/// assert!((level - 3.0).abs() < 1e-3); // the integral leaves no error
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pid {
     params: PidParams,
@@ -110,7 +136,7 @@ pub struct PidState {
     last: Option<Real>,
     /// Smoothed difference per step.
     difference: Accum,
-    /// Which way something further down the loop was saturated: its sign.
+    /// In which direction something further down the loop was saturated: its sign.
     excess: Real,
 }
 
@@ -139,7 +165,7 @@ impl PidState {
     }
 }
 
-/// What drives a [`Pid`].
+/// Input of a [`Pid`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PidInput {
     /// What the measurement should be.
@@ -148,7 +174,7 @@ pub struct PidInput {
     pub measurement: Real,
 }
 
-/// What one step of a [`Pid`] says.
+/// Output of one step of a [`Pid`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PidOutput {
@@ -222,7 +248,8 @@ impl Pid {
         if self.is_directional() { state.output.get() - applied } else { 0.0 }
     }
 
-    /// Tells only which way something further down the loop is saturated: 1 up, −1 down, 0 not.
+    /// Tells only in which direction something further down the loop is saturated: 1 up, −1 down,
+    /// 0 not.
     #[inline]
     pub const fn saturate(state: &mut PidState, direction: Real) {
         state.excess = direction;

@@ -1,4 +1,14 @@
 //! Averaged four-quadrant converter.
+//!
+//! `V_out = D·V_in − R·i − V_d·i/(|i| + i_ε)`, `I_in = D·i + P_0/V_in`: with the duty D it scales
+//! the voltage, and what goes in comes out or is one of the losses. Four quadrants: with
+//! `0 < D·V_in < Ke·ω` the current reverses and energy flows back.
+//!
+//! The ideal part is \[EPowertrain2025, eq. 3.4 and 4.2\]; the sign flip of the input current at
+//! `D < 0` (eq. 4.3) is an error of the print: it creates energy. The losses are ours.
+//!
+//! Tests: below; properties `finite`, `limits`, `monotony`, `passivity`, `refusal`, `steady`; cases
+//! "converter bench".
 
 use crate::error::{ParamError, check, limit, not_negative};
 use crate::model::impl_model;
@@ -8,7 +18,7 @@ use crate::port::Source;
 /// Below this current the voltage drop fades to zero \[A\], so that it has a slope at zero.
 pub const DROP_FADE_A: Real = 0.1;
 
-/// What is known about a converter.
+/// Parameters of a converter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -18,6 +28,7 @@ pub const DROP_FADE_A: Real = 0.1;
 )]
 pub struct ConverterParams {
     /// Largest magnitude of the duty, above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub duty_limit: Real,
     /// Loss that does not depend on the load \[W\], ≥ 0, drawn at the input.
     pub constant_loss_w: Real,
@@ -42,17 +53,24 @@ impl ConverterParams {
 
 /// A converter that scales voltage by its duty and conserves power.
 ///
-/// `V_out = D·V_in − losses`, `I_in = D·I_out` (EPowertrain 2025, eq. 3.4 and 4.2). The sign flip
-/// of the input current at `D < 0` (eq. 4.3) is an error of the print: it creates energy.
-/// Four quadrants: with `0 < D·V_in < Ke·ω` the current reverses and energy flows back.
-///
 /// It has no state of its own and no time in it, so it takes no `Dt`.
+///
+/// ```
+/// use plant_core::converter::{Converter, ConverterInput, ConverterParams};
+/// use plant_core::must;
+///
+/// const CONVERTER: Converter = must!(Converter::new(ConverterParams::IDEAL));
+///
+/// let input = ConverterInput { duty: 0.5, input_v: 400.0, output_a: 100.0 };
+/// let out = CONVERTER.step(&mut (), input);
+/// assert_eq!((out.output_v, out.input_a), (200.0, 50.0)); // 20 kW on both sides
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converter {
     params: ConverterParams,
 }
 
-/// What drives a [`Converter`] that steps on its own.
+/// Input of a [`Converter`] that steps on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConverterInput {
     /// Commanded duty; held within the limit.
@@ -63,7 +81,7 @@ pub struct ConverterInput {
     pub output_a: Real,
 }
 
-/// What a [`Converter`] says.
+/// Output of a [`Converter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConverterOutput {

@@ -1,11 +1,22 @@
 //! DC motor: winding, back-EMF, rotor.
+//!
+//! `V = R·i + L·di/dt + Ke·ω` \[EPowertrain2025, eq. 3.2\] and
+//! `J·dω/dt = Kt·i − T_load − b·ω − T_c·sgn(ω)` (eq. 3.3, with the static torque `T_c` that the
+//! print leaves out).
+//!
+//! One step takes current and speed implicitly, together, for increments: with
+//! `Y = 1/(L/h + R)`, `Δi = Y·(V − R·i − Ke·ω) − Y·Ke·Δω`, which leaves one equation for Δω, the
+//! motor's [`DriveLaw`]. The Coulomb torque is set-valued, so standstill is exact.
+//!
+//! Tests: `tests` below; properties `finite`, `passivity`, `refusal`, `symmetry`; order of
+//! convergence in `tests/tests/order.rs`; cases "DC motor step".
 
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, sane};
 use crate::port::{Coast, DriveLaw, Slip, Source, project};
 
-/// What is known about a DC motor.
+/// Parameters of a DC motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -33,10 +44,20 @@ pub struct DcMotorParams {
 
 /// A DC motor, discretised for one step.
 ///
-/// `V = R·i + L·di/dt + Ke·ω` (EPowertrain 2025, eq. 3.2) and
-/// `J·dω/dt = Kt·i − T_load − b·ω − T_c·sgn(ω)` (eq. 3.3, with the static torque that the print
-/// leaves out). Current and speed are solved together, implicitly; the Coulomb torque is
-/// set-valued, so standstill is exact.
+/// ```
+/// use plant_core::machine::dc::{DcMotor, DcMotorSpeedInput, DcMotorState};
+/// use plant_core::{Dt, must, presets};
+///
+/// const MOTOR: DcMotor = must!(DcMotor::new(presets::MOTOR_PASEK, must!(Dt::from_s(0.01))));
+///
+/// let mut state = DcMotorState::default();
+/// let blocked = DcMotorSpeedInput { voltage_v: 60.0, speed_rad_s: 0.0 };
+/// let mut out = MOTOR.step_at_speed(&mut state, blocked);
+/// for _ in 0..100 {
+///     out = MOTOR.step_at_speed(&mut state, blocked);
+/// }
+/// assert!((out.current_a - 60.0 / 30.9).abs() < 1e-4); // V/R: no back-EMF at standstill
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DcMotor {
     pub(crate) winding: Winding,
@@ -55,7 +76,7 @@ pub struct DcMotorState {
     pub speed_rad_s: Accum,
 }
 
-/// What drives a [`DcMotor`] with a free shaft.
+/// Input of a [`DcMotor`] with a free shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DcMotorInput {
     /// Voltage at the winding's terminals \[V\].
@@ -64,7 +85,7 @@ pub struct DcMotorInput {
     pub load_nm: Real,
 }
 
-/// What drives a [`DcMotor`] on an imposed speed.
+/// Input of a [`DcMotor`] on an imposed speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DcMotorSpeedInput {
     /// Voltage at the winding's terminals \[V\].
@@ -73,7 +94,7 @@ pub struct DcMotorSpeedInput {
     pub speed_rad_s: Real,
 }
 
-/// What one step of a [`DcMotor`] says.
+/// Output of one step of a [`DcMotor`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DcMotorOutput {

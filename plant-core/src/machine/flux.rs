@@ -17,7 +17,7 @@ pub enum Flux {
     Map(FluxMap),
 }
 
-/// `ψ_d = L_d·i_d + ψ_m`, `ψ_q = L_q·i_q` (EPowertrain 2025, PMSM).
+/// `ψ_d = L_d·i_d + ψ_m`, `ψ_q = L_q·i_q` \[EPowertrain2025, PMSM\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -34,8 +34,8 @@ pub struct LinearFlux {
     pub q_h: Real,
 }
 
-/// Flux linkages on an even grid of currents, read by cubic convolution in both directions (Keys
-/// 1981), so that the inductances are continuous. Beyond the grid the flux goes on straight with
+/// Flux linkages on an even grid of currents, read by cubic convolution in both directions
+/// \[Keys1981\], so that the inductances are continuous. Beyond the grid the flux goes on straight with
 /// the inductances of its edge, and the machine says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -205,8 +205,8 @@ struct Stencil {
     beyond_a: Real,
 }
 
-/// Weights of the four points around a place `s` (0..1) between the middle two (Keys 1981,
-/// a = −1/2).
+/// Weights of the four points around a place `s` (0..1) between the middle two \[Keys1981,
+/// a = −1/2\].
 const fn weights(s: Real) -> [Real; 4] {
     let r = 1.0 - s;
     [

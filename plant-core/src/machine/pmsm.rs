@@ -40,7 +40,7 @@ pub use winding::{DqLaw, DqWinding};
 
 /// The temperature at which resistances are given \[°C\].
 pub const REFERENCE_C: Real = 25.0;
-/// How much the resistance of copper grows per kelvin, from 25 °C (IEC 60034: 235 °C + T).
+/// How much the resistance of copper grows per kelvin, from 25 °C (235 °C + T, IEC 60034-1).
 pub const COPPER_PER_K: Real = 1.0 / (235.0 + REFERENCE_C);
 /// The largest electrical angle per step at which transients are followed \[rad\].
 pub const FINE_STEP_RAD: Real = 0.1;
@@ -80,7 +80,7 @@ pub struct PmsmParams {
 /// A permanent-magnet synchronous machine, discretised for one step.
 ///
 /// `v = R·i + dψ/dt + ω_e·J·ψ` with J a quarter turn, `T = 3/2·p·(ψ_d·i_q − ψ_q·i_d)`,
-/// `ω_e = p·ω` (EPowertrain 2025, PMSM), `J·dω/dt = T − T_fe − T_load − b·ω − T_c·sgn(ω)`,
+/// `ω_e = p·ω` \[EPowertrain2025, PMSM\], `J·dω/dt = T − T_fe − T_load − b·ω − T_c·sgn(ω)`,
 /// `T_fe = 3/2·g·p²·|ψ|²·ω`. The iron takes its loss from the shaft rather than from the
 /// terminals: the same power, without one more state.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -182,7 +182,7 @@ impl RotorAngle {
 
 /// The duties (0..1) with which three legs on a bus make a voltage, by space-vector modulation:
 /// both zero vectors for equally long, which is the middle of the largest and the smallest phase
-/// voltage taken off all three (van der Broeck, Skudelny, Stanke 1988). Exact up to
+/// voltage taken off all three \[Broeck1988\]. Exact up to
 /// [`LARGEST_PER_BUS`] of the bus; cut off beyond, and 1/2 where there is no bus voltage.
 #[must_use]
 pub fn duties(voltage_v: AlphaBeta, bus_v: Real) -> Abc {

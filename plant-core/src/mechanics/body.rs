@@ -1,4 +1,14 @@
 //! Body: mass, air, rolling resistance, slope, friction brake.
+//!
+//! `M·dv/dt = F − ½·ρ·C_d·A_f·v·|v| − C_r·M·g·cos α·sgn(v) − M·g·sin α − F_brake·sgn(v)`
+//! \[EPowertrain2025, eq. 3.10 to 3.15; the print divides by `A_f`\]. Wind, brake and the road load
+//! `A + B·v + C·v²` of a coast-down test are ours.
+//!
+//! Drag with wind w is taken as `c·|v + w|·(v' + w)`, v' the new speed; rolling resistance and
+//! brake are set-valued and projected once, so standstill is exact and holds on a slope.
+//!
+//! Tests: `tests` below; properties `finite`, `refusal`, `standstill`; order of convergence in
+//! `tests/tests/order.rs`; cases "body, coasting to a stop", "body on a slope".
 
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::mechanics::slope::Grade;
@@ -6,7 +16,7 @@ use crate::model::{Dt, impl_model};
 use crate::num::{Accum, GRAVITY_M_S2, Real, sane};
 use crate::port::{Coast, DriveLaw, Slip, project};
 
-/// What is known about a vehicle's body.
+/// Parameters of a vehicle's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -51,10 +61,23 @@ pub enum RoadResistance {
 
 /// A body that moves along the road, discretised for one step.
 ///
-/// `M·dv/dt = F − ½·ρ·C_d·A_f·v·|v| − C_r·M·g·cos α·sgn(v) − M·g·sin α` (EPowertrain 2025,
-/// eq. 3.10 to 3.15; the print divides by `A_f`). Drag with wind w is taken as
-/// `c·|v + w|·(v' + w)`, v' the new speed; rolling resistance and brake are set-valued and
-/// projected once, so standstill is exact and holds on a slope.
+/// ```
+/// use plant_core::mechanics::body::{Body, BodyInput, BodyParams, BodyState, RoadResistance};
+/// use plant_core::{Dt, must};
+///
+/// const NO_RESISTANCE: RoadResistance =
+///     RoadResistance::CoastDown { a_n: 0.0, b_n_s_per_m: 0.0, c_n_s2_per_m2: 0.0 };
+/// const BODY: Body = must!(Body::new(
+///     BodyParams { mass_kg: 1000.0, resistance: NO_RESISTANCE },
+///     must!(Dt::from_s(0.01)),
+/// ));
+///
+/// let mut state = BodyState::default();
+/// for _ in 0..1000 {
+///     BODY.step(&mut state, BodyInput { force_n: 500.0, ..BodyInput::default() });
+/// }
+/// assert!((state.speed_m_s.get() - 5.0).abs() < 1e-4); // F·t/M after 10 s
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     pub(crate) mass_kg: Real,
@@ -95,7 +118,7 @@ impl Road {
     }
 }
 
-/// What drives a [`Body`] that steps on its own.
+/// Input of a [`Body`] that steps on its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyInput {
     /// Force of the wheels \[N\].
@@ -104,7 +127,7 @@ pub struct BodyInput {
     pub road: Road,
 }
 
-/// What one step of a [`Body`] says.
+/// Output of one step of a [`Body`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BodyOutput {
@@ -116,7 +139,7 @@ pub struct BodyOutput {
     pub acceleration_m_s2: Real,
     /// Force of the air, positive against forward motion \[N\].
     pub drag_n: Real,
-    /// Whether and which way it moves.
+    /// Whether and in which direction it moves.
     pub slip: Slip,
     /// An input was not finite or absurd; the state is unchanged.
     pub rejected: bool,
@@ -127,7 +150,7 @@ pub struct BodyOutput {
 pub struct Motion {
     /// Speed increment \[m/s\].
     pub increment_m_s: Real,
-    /// Whether and which way it moves afterwards.
+    /// Whether and in which direction it moves afterwards.
     pub slip: Slip,
 }
 

@@ -1,11 +1,17 @@
 //! Gearbox: a ratio, an efficiency, an inertia.
+//!
+//! `ω_motor = ratio·ω_wheel`, `T_wheel = ratio·T_motor` \[EPowertrain2025, `Gearbox`, its
+//! N = 1/ratio\], less the loss and the inertia, which are ours. The loss acts as Coulomb friction
+//! `(1 − η)·ratio·|T_motor|`, so that it opposes the motion whichever direction the power flows in.
+//!
+//! Tests: below; properties `finite`, `refusal`; case "gearbox, wheel, auxiliary load".
 
 use crate::error::{ParamError, check, efficiency, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Real, sane};
 use crate::port::Coast;
 
-/// What is known about a gearbox.
+/// Parameters of a gearbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -29,9 +35,22 @@ impl GearboxParams {
 
 /// A rigid gearbox, discretised for one step.
 ///
-/// `ω_motor = ratio·ω_wheel`, `T_wheel = ratio·T_motor` (EPowertrain 2025, its N = 1/ratio), less
-/// the loss. The loss acts as Coulomb friction `(1 − η)·ratio·|T_motor|`, so that it opposes the
-/// motion whichever way the power flows.
+/// ```
+/// use plant_core::mechanics::gearbox::{Gearbox, GearboxInput, GearboxParams};
+/// use plant_core::{Dt, must};
+///
+/// const GEARBOX: Gearbox = must!(Gearbox::new(
+///     GearboxParams { ratio: 10.0, efficiency: 0.95, inertia_kg_m2: 0.0 },
+///     must!(Dt::from_s(0.01)),
+/// ));
+///
+/// let mut before_rad_s = 50.0;
+/// let input = GearboxInput { motor_nm: 20.0, wheel_rad_s: 50.0 };
+/// let out = GEARBOX.step(&mut before_rad_s, input);
+/// assert_eq!(out.motor_rad_s, 500.0);
+/// assert!((out.wheel_nm - 190.0).abs() < 1e-3);
+/// assert!((out.loss_w - 0.05 * 20.0 * 500.0).abs() < 0.01); // 5 % of 10 kW
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gearbox {
     pub(crate) ratio: Real,
@@ -41,7 +60,7 @@ pub struct Gearbox {
     inertia_per_h: Real,
 }
 
-/// What a [`Gearbox`] that steps on its own is given.
+/// Input of a [`Gearbox`] that steps on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearboxInput {
     /// Torque of the motor's shaft \[N·m\].
@@ -53,7 +72,7 @@ pub struct GearboxInput {
 /// The state of a [`Gearbox`] that steps on its own: the speed of the wheel's shaft \[rad/s\].
 pub type GearboxState = Real;
 
-/// What a [`Gearbox`] says.
+/// Output of a [`Gearbox`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GearboxOutput {

@@ -1,4 +1,10 @@
 //! The road's slope from height and distance.
+//!
+//! `sin α = dH/ds` \[EPowertrain2025, eq. 4.20\], over windows of distance, which are ours: they
+//! smooth the steps of a quantised height. It holds while the vehicle stands (no division by zero)
+//! and is limited. The print's body takes the angle as degrees; here it is never an angle at all.
+//!
+//! Tests: below; properties `finite`, `refusal`; case "body on a slope".
 
 use crate::error::{ParamError, check, positive, ratio};
 use crate::model::impl_model;
@@ -41,7 +47,7 @@ impl Grade {
     }
 }
 
-/// How a slope is measured.
+/// Parameters of a [`Slope`]: how it is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -57,10 +63,19 @@ pub struct SlopeParams {
     pub largest_sin: Real,
 }
 
-/// Slope of the road, `α = asin(dH/ds)` (EPowertrain 2025, eq. 4.20), over windows of distance.
+/// Slope of the road over windows of distance.
 ///
-/// It holds while the vehicle stands (no division by zero) and is limited. The source work's body
-/// took the angle as degrees; here it is never an angle at all.
+/// ```
+/// use plant_core::mechanics::slope::{Slope, SlopeInput, SlopeParams, SlopeState};
+/// use plant_core::must;
+///
+/// const SLOPE: Slope =
+///     must!(Slope::new(SlopeParams { window_m: 50.0, largest_sin: 0.3 }));
+///
+/// let mut state = SlopeState::starting_at(300.0, 0.0);
+/// let up = SLOPE.step(&mut state, SlopeInput { height_m: 303.0, distance_m: 60.0 });
+/// assert!((up.grade.sin - 0.05).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
     params: SlopeParams,
@@ -83,7 +98,7 @@ impl SlopeState {
     }
 }
 
-/// What a [`Slope`] sees.
+/// Input of a [`Slope`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeInput {
     /// Height above any fixed level \[m\].
@@ -92,7 +107,7 @@ pub struct SlopeInput {
     pub distance_m: Real,
 }
 
-/// What a [`Slope`] says.
+/// Output of a [`Slope`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SlopeOutput {

@@ -1,11 +1,16 @@
 //! Wheel: from the axle's torque to a force at the road.
+//!
+//! `v = R·ω`, `F = (T − f_s·ω − J·dω/dt)/R` \[EPowertrain2025, eq. 4.6 and 4.7; the print's
+//! `v = 2π·R·ω` is an error that multiplies energy by 2π\]. No slip.
+//!
+//! Tests: below; properties `finite`, `refusal`; case "gearbox, wheel, auxiliary load".
 
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Real, sane};
 use crate::port::Coast;
 
-/// What is known about the wheels of an axle, taken together.
+/// Parameters of the wheels of an axle, taken together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -24,8 +29,19 @@ pub struct WheelParams {
 
 /// Wheels that roll without slip, discretised for one step.
 ///
-/// `v = R·ω`, `F = T/R` (EPowertrain 2025, eq. 4.6 and 4.7; the print's `v = 2π·R·ω` is an error
-/// that multiplies energy by 2π).
+/// ```
+/// use plant_core::mechanics::wheel::{Wheel, WheelInput, WheelParams};
+/// use plant_core::{Dt, must};
+///
+/// const WHEEL: Wheel = must!(Wheel::new(
+///     WheelParams { radius_m: 0.25, inertia_kg_m2: 0.0, viscous_nm_s_per_rad: 0.0 },
+///     must!(Dt::from_s(0.01)),
+/// ));
+///
+/// let mut before_m_s = 10.0;
+/// let out = WHEEL.step(&mut before_m_s, WheelInput { axle_nm: 500.0, speed_m_s: 10.0 });
+/// assert_eq!((out.axle_rad_s, out.force_n), (40.0, 2000.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wheel {
     pub(crate) per_radius: Real,
@@ -34,7 +50,7 @@ pub struct Wheel {
     mass_per_h: Real,
 }
 
-/// What a [`Wheel`] that steps on its own is given.
+/// Input of a [`Wheel`] that steps on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelInput {
     /// Torque of the axle \[N·m\].
@@ -46,7 +62,7 @@ pub struct WheelInput {
 /// The state of a [`Wheel`] that steps on its own: the speed of the road \[m/s\].
 pub type WheelState = Real;
 
-/// What a [`Wheel`] says.
+/// Output of a [`Wheel`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WheelOutput {

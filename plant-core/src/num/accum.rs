@@ -2,7 +2,7 @@
 
 use super::Real;
 
-/// A sum that keeps what each addition rounds away (Kahan 1965).
+/// A sum that keeps what each addition rounds away \[Kahan1965\].
 ///
 /// A step adds increments a million times smaller than the value; a plain f32 drops them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

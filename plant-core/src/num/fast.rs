@@ -2,7 +2,7 @@
 //!
 //! Nothing in this crate uses them. How to decide: take one where its error below is small beside
 //! what else you do not know, and the instructions that it saves on your core, which
-//! `cargo xtask counts` puts into the README, are worth it. Not in a feedback loop or a sum, where
+//! `cargo xtask counts` puts into the book, are worth it. Not in a feedback loop or a sum, where
 //! a bias adds up.
 
 use micromath::F32Ext;

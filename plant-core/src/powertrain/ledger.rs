@@ -1,10 +1,15 @@
-//! The energy ledger of the coupled plant: where every joule went.
+//! The energy ledger of the coupled plant: where every joule went. It is ours.
+//!
+//! `E_electrochemical = Σ terms + ΔE_stored + residual`: each term is the power of one component,
+//! from its own definition, at the end of a step, times `h`; the residual is rounding.
 //!
 //! A step offers each term's *raw* power: without the parameter that it is proportional to (`i²`
 //! for the copper, `|v|` for the motor's Coulomb friction). The parameter and the step's length
 //! come in once, when the books are read. Raw powers gather in a plain sum per term; each step
 //! pours one of these into its compensated total and empties it, so that a step costs little and
 //! no sum grows long enough to lose anything.
+//!
+//! Tests: below and in `tests/ledger.rs`; property `ledger`.
 
 use crate::num::{Accum, Real};
 

@@ -1,6 +1,12 @@
 //! Battery limits: they act on the duty, so both sides of the converter agree.
+//!
+//! Within a friction mode the battery current `D·i = I` is a quadratic in the duty,
+//! `(E − R·I)·D² + β·D − ρ·I = 0`; its root in the mode that it leads to is the duty. It is ours.
+//!
+//! Tests: below; property `limits`.
 
-use super::{Limited, Powertrain, PowertrainState, Solution, Start};
+use super::solve::{Solution, Start};
+use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::Pack;
 use crate::mechanics::body::Resistance;
 use crate::num::{Real, max, sqrt};
@@ -99,7 +105,7 @@ struct DutyLaw {
 }
 
 impl DutyLaw {
-    /// The root of `(E − R·I)·D² + β·D − ρ·I = 0` that lies on the way from `commanded` to no
+    /// The root of `(E − R·I)·D² + β·D − ρ·I = 0` that lies between `commanded` and no
     /// battery current: towards 0 when discharging, towards back-EMF when charging (lowering the
     /// duty there would raise the current).
     #[inline(always)]
@@ -135,7 +141,7 @@ mod tests {
     const LAW: DutyLaw = DutyLaw { emf_v: 350.0, source_ohm: 0.1, beta_v: 0.0, rho_ohm: 0.2 };
 
     #[test]
-    fn the_duty_draws_what_is_allowed_on_the_way_from_the_command() {
+    fn the_duty_draws_what_is_allowed_between_the_command_and_none() {
         for beta_v in [-120.0, -40.0, 40.0, 120.0] {
             for allowed_a in [-80.0, -10.0, 10.0, 300.0] {
                 for commanded in [-0.9, 0.9] {

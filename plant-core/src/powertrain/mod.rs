@@ -1,78 +1,102 @@
 //! The coupled plant: battery, auxiliary load, converter, motor, gearbox, wheel, body.
 //!
-//! One walk down the chain eliminates everything but the vehicle's speed increment; one walk back
-//! settles each state from it. No iteration, except a bounded one when a battery limit acts.
+//! # Equations
+//! With D the duty, i the winding current, v the speed of the road, k the motor's turns (rad) per
+//! metre (`motor_rad_per_m`), m all that moves as mass (`moving_mass_kg`) and b all that is
+//! viscous, seen from the road (`coast`), the components are coupled by
+//!
+//! ```text
+//! battery    V = V_oc(SOC) − V_rc − R_s·I     dSOC/dt = −I/(3600·Q)    C·dV_rc/dt = I − V_rc/R_p
+//! bus        I = D·i + P/V + V/R_aux + P_0/V                  auxiliary loads, converter's loss
+//! winding    L·di/dt = D·V − R_c·i − R·i − Ke·k·v             R_c: converter with its drop
+//! road       m·dv/dt = Kt·k·i − c·|v + w|·(v + w) − b·v − M·g·sin α − F_c·sgn(v)
+//!            F_c = C_r·M·g·cos α + F_brake + Coulomb friction + gears' loss, set-valued at v = 0
+//! ```
+//!
+//! \[EPowertrain2025, eq. 3.2 to 3.15 and 4.2 to 4.7, errata applied\]; each component's own header
+//! says where an equation comes from.
+//!
+//! # One step
+//! What is linear in the new state is taken implicitly; `V_oc`, `|v + w|`, `|i|` of the gears' loss
+//! and `V` of the constant powers at the old one. So a step is stable for any h. One walk down the
+//! chain eliminates everything but the increment Δv (`i`, `v` are the old values):
+//!
+//! ```text
+//! Battery::offer              V  = emf − resistance·I         RC branch eliminated      source
+//! Source::loaded              V  = emf − resistance·D·i'      loads eliminated          bus
+//! Converter::seen_through     D·emf behind D²·resistance + R_c                          seen
+//! Winding::law                Y  = 1/(L/h + R + seen.resistance)               admittance_s
+//!                             Δi = Y·(seen.emf − (R + seen.resistance)·i − Ke·k·v) − Y·Ke·k·Δv
+//!                                = free_a − per_speed·Δv                                current
+//!                             F  = Kt·k·(i + free_a) − Kt·Ke·k²·Y·Δv = effort − slope·Δv  drive
+//! Body::resistance            force = −(c·|v + w|·(v + w) + b·v + M·g·sin α)       resistance
+//!                             slope = m/h + b + c·|v + w|      friction = F_c
+//! project                     Δv = (force + effort ∓ friction)/(slope + drive.slope)   motion
+//! ```
+//!
+//! `project` takes v to exactly 0 where friction holds it. One walk back settles each state:
+//! `Δi = free_a − per_speed·Δv`, `I` and `V` on the bus, SOC, distance. No iteration, except
+//! a bounded one when a battery limit acts ([`Limited`]). In one line, with `a11 = L/h + R_total`
+//! and `a22 = m/h + c·|v + w| + b`, it is the solution of the two by two system whose determinant
+//! is `a11·a22 + Ke·Kt·k²`.
+//!
+//! The reduction is ours, as are port laws ([`port`](crate::port)), limits and ledger.
+//!
+//! Tests: `tests` below (the equations above, written again in double precision, at the end of each
+//! step); all `properties`; order of convergence in `tests/tests/order.rs`; rounding in
+//! `tests/tests/rounding.rs`; a second tool in `tests/tests/second_reference.rs`; cases "UDDS",
+//! "trip", "converter bench".
 
 pub mod ledger;
 mod limit;
 mod output;
+mod params;
+mod solve;
 
 pub use output::{Feedback, Limited, PowertrainOutput};
+pub use params::PowertrainParams;
 
 use core::marker::PhantomData;
 
-use crate::auxiliary::{Auxiliary, AuxiliaryParams};
-use crate::battery::{
-    Battery, BatteryParams, BatteryState, MappedBattery, MappedBatteryParams, Pack,
-};
-use crate::converter::{Converter, ConverterParams};
+use crate::auxiliary::Auxiliary;
+use crate::battery::{Battery, BatteryState, MappedBattery, MappedBatteryParams, Pack};
+use crate::converter::Converter;
 use crate::error::{ParamError, check};
-use crate::machine::dc::{DcMotor, DcMotorParams, Winding};
-use crate::mechanics::body::{Body, BodyParams, BodyState, Motion, Resistance, Road};
-use crate::mechanics::gearbox::{Gearbox, GearboxParams};
-use crate::mechanics::wheel::{Wheel, WheelParams};
+use crate::machine::dc::{DcMotor, Winding};
+use crate::mechanics::body::{Body, BodyState, Road};
+use crate::mechanics::gearbox::Gearbox;
+use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
 use crate::num::{Accum, Real, sound};
-use crate::port::{Coast, Source};
+use crate::port::Coast;
 use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
-
-/// What is known about a powertrain: the parameters of its components.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
-pub struct PowertrainParams<P = BatteryParams> {
-    /// The battery.
-    pub battery: P,
-    /// What else draws from it.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub auxiliary: AuxiliaryParams,
-    /// The converter.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub converter: ConverterParams,
-    /// The motor.
-    pub motor: DcMotorParams,
-    /// The gearbox.
-    pub gearbox: GearboxParams,
-    /// The wheels.
-    pub wheel: WheelParams,
-    /// The body.
-    pub body: BodyParams,
-}
-
-impl<P: Copy> PowertrainParams<P> {
-    /// The same with another battery.
-    #[must_use]
-    pub const fn with_battery<Q>(self, battery: Q) -> PowertrainParams<Q> {
-        PowertrainParams {
-            battery,
-            auxiliary: self.auxiliary,
-            converter: self.converter,
-            motor: self.motor,
-            gearbox: self.gearbox,
-            wheel: self.wheel,
-            body: self.body,
-        }
-    }
-}
 
 /// The coupled plant, discretised for one step; `L` says whether it keeps an energy ledger, `B`
 /// which battery it has.
 ///
 /// For a given duty and given forces a step is stable for any `h` and any physical parameter.
+///
+/// ```
+/// use plant_core::powertrain::ledger::EnergyLedger;
+/// use plant_core::powertrain::{Powertrain, PowertrainInput};
+/// use plant_core::{Dt, ParamError, must, presets};
+///
+/// const CAR: Powertrain<EnergyLedger> = must!(Powertrain::with_ledger(
+///     presets::EPOWERTRAIN_UDDS.powertrain,
+///     must!(Dt::from_s(0.001)),
+/// ));
+///
+/// let start = CAR.at_rest(0.8)?;
+/// let mut state = start;
+/// for _ in 0..5000 {
+///     CAR.step(&mut state, PowertrainInput { duty: 0.1, ..PowertrainInput::default() });
+/// }
+/// assert!(state.body.speed_m_s.get() > 5.0);
+/// let energy = CAR.energy(&start, &state);
+/// assert!(energy.kinetic > 0.0 && energy.copper > 0.0 && energy.drag > 0.0);
+/// assert!(energy.residual_rel().abs() < 1e-5); // every joule is named
+/// # Ok::<(), ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powertrain<L = NoLedger, B = Battery> {
     battery: B,
@@ -111,7 +135,7 @@ pub struct PowertrainState<L = NoLedger, S = BatteryState> {
     pub ledger: L,
 }
 
-/// What drives a [`Powertrain`].
+/// Input of a [`Powertrain`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowertrainInput {
@@ -121,55 +145,6 @@ pub struct PowertrainInput {
     pub road: Road,
     /// Auxiliary power beside the parameter \[W\], ≥ 0.
     pub auxiliary_w: Real,
-}
-
-/// What draws from the battery beside the drive, within one step.
-#[derive(Clone, Copy, Default)]
-struct Loads {
-    /// There are any: where there are none, nothing is added for them.
-    any: bool,
-    /// The constant power's current \[A\].
-    constant_a: Real,
-    /// Auxiliary resistor \[S\].
-    resistor_s: Real,
-    /// The converter's constant loss \[S\].
-    converter_s: Real,
-}
-
-impl Loads {
-    const fn current_a(&self, battery_v: Real) -> Real {
-        self.constant_a + (self.resistor_s + self.converter_s) * battery_v
-    }
-}
-
-/// Where a step starts from, as far as the solution depends on it.
-#[derive(Clone, Copy)]
-struct Start {
-    speed_m_s: Real,
-    current_a: Real,
-    loads: Loads,
-    /// What the battery offers once these have drawn.
-    bus: Source,
-    converter_ohm: Real,
-    resistance: Resistance,
-}
-
-impl Start {
-    /// Cuts the auxiliary loads off.
-    const fn starve(&mut self, source: Source) {
-        self.loads = Loads { any: true, constant_a: 0.0, resistor_s: 0.0, converter_s: 0.0 };
-        self.bus = source;
-    }
-}
-
-/// What one duty leads to.
-#[derive(Clone, Copy)]
-struct Solution {
-    duty: Real,
-    motion: Motion,
-    current_increment_a: Real,
-    battery_a: Real,
-    battery_v: Real,
 }
 
 impl Powertrain<NoLedger> {
@@ -334,60 +309,6 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     #[must_use]
     pub const fn moving_mass_kg(&self) -> Real {
         self.coast.inertia_per_h * self.dt_s
-    }
-
-    /// What draws from the battery beside the drive, at its last voltage.
-    #[inline(always)]
-    fn loads(&self, asked_w: Real, battery_v: Real) -> Loads {
-        Loads {
-            any: true,
-            constant_a: self.auxiliary.constant_power_a(asked_w, battery_v),
-            resistor_s: self.auxiliary.conductance_s,
-            converter_s: self.converter.shunt_s(battery_v),
-        }
-    }
-
-    /// Down the chain: what the terminals offer, what the auxiliary loads leave of it. Also the terminals themselves, and the open-circuit voltage \[V\].
-    #[inline(always)]
-    fn start(
-        &self,
-        state: &PowertrainState<L, B::State>,
-        auxiliary_w: Real,
-        resistance: Resistance,
-    ) -> (Start, Source, Real) {
-        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
-        let (source, open_circuit_v) = self.battery.offer(&state.battery);
-        let mut start = Start {
-            speed_m_s: v,
-            current_a: i,
-            loads: Loads::default(),
-            bus: source,
-            converter_ohm: 0.0,
-            resistance,
-        };
-        if !self.plain || auxiliary_w > 0.0 {
-            start.loads = self.loads(auxiliary_w, state.battery_v);
-            start.bus = source
-                .loaded(start.loads.constant_a, start.loads.resistor_s + start.loads.converter_s);
-            start.converter_ohm = self.converter.series_ohm(i);
-        }
-        (start, source, open_circuit_v)
-    }
-
-    /// What one duty leads to: down the chain, one equation, and back to the currents.
-    #[inline(always)]
-    fn solve(&self, start: &Start, duty: Real) -> Solution {
-        let seen = Converter::seen_through(start.bus, duty, start.converter_ohm);
-        let (drive, current) = self.winding.law(seen, start.current_a, start.speed_m_s);
-        let motion = start.resistance.solve(drive, start.speed_m_s);
-        let current_increment_a = current.increment_a(motion.increment_m_s);
-        let drive_a = duty * (start.current_a + current_increment_a);
-        let battery_v = start.bus.voltage_v(drive_a);
-        let mut battery_a = drive_a;
-        if start.loads.any {
-            battery_a += start.loads.current_a(battery_v);
-        }
-        Solution { duty, motion, current_increment_a, battery_a, battery_v }
     }
 
     /// Advances by one step.

@@ -1,6 +1,7 @@
 //! What a step of the plant says, powers included.
 
-use super::{Powertrain, PowertrainState, Solution, Start};
+use super::solve::{Solution, Start};
+use super::{Powertrain, PowertrainState};
 use crate::battery::{Losses, Pack};
 use crate::mechanics::body::Road;
 use crate::num::Real;
@@ -20,7 +21,7 @@ pub enum Limited {
     Charge,
 }
 
-/// What one step of a [`Powertrain`] says.
+/// Output of one step of a [`Powertrain`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowertrainOutput {
@@ -32,7 +33,7 @@ pub struct PowertrainOutput {
     pub limited: Limited,
     /// The battery could not even feed the auxiliary loads: they were cut off.
     pub auxiliary_starved: bool,
-    /// Whether and which way the vehicle moves.
+    /// Whether and in which direction the vehicle moves.
     pub slip: Slip,
     /// Speed \[m/s\].
     pub speed_m_s: Real,
@@ -126,7 +127,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
         let (di, dv) = (solution.current_increment_a, solution.motion.increment_m_s);
         let (battery_a, battery_v) = (solution.battery_a, solution.battery_v);
-        let way = v.abs();
+        let speed_m_s = v.abs();
         let electrochemical = open_circuit_v * battery_a;
         let loads = &start.loads;
         let (mut converter, mut auxiliary) = (0.0, 0.0);
@@ -143,11 +144,11 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             copper: i * i,
             conversion: v * i,
             viscous: v * v,
-            coulomb: way,
-            gear: start.current_a.abs() * way,
+            coulomb: speed_m_s,
+            gear: start.current_a.abs() * speed_m_s,
             drag: start.resistance.drag_n_s_per_m * (v + road.headwind_m_s) * v,
-            rolling: road.grade.cos * way,
-            brake: road.brake_n * way,
+            rolling: road.grade.cos * speed_m_s,
+            brake: road.brake_n * speed_m_s,
             potential: road.grade.sin * v,
             numerical: self.winding.inductance_per_h_ohm * di * di
                 + self.coast.inertia_per_h * dv * dv

@@ -1,5 +1,5 @@
 //! A step of the coupled plant against the equations of its components, written once more, in
-//! double precision, at the end of the step: whatever way the step was found, these must hold.
+//! double precision, at the end of the step: however the step was found, these must hold.
 
 extern crate std;
 
@@ -233,8 +233,8 @@ fn holds(
             let sign = f64::from(slip.sign());
             assert!(sign * v > 0.0);
             balances(&[&forces[..], &[-sign * friction]].concat(), "forces");
-            let way = rise(now.body.distance_m, before.body.distance_m);
-            balances(&[way, -h * v], "way");
+            let moved = rise(now.body.distance_m, before.body.distance_m);
+            balances(&[moved, -h * v], "moved");
         }
     }
 

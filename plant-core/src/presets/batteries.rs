@@ -1,7 +1,7 @@
 //! Batteries identified from measurements, with parameters over state of charge and temperature.
 //!
-//! Made from `data/batteries/*.toml` by `cargo run -p voltstep --example make_presets`; those files
-//! hold the figures of the fit and the command that made them, and a test keeps the two equal.
+//! Made from `data/batteries/*.toml` by `cargo xtask presets`; those files hold the figures of the
+//! fit and the command that made them, and a test keeps the two equal.
 #![expect(clippy::unreadable_literal, reason = "as in the files")]
 
 use crate::battery::{

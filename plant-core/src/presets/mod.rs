@@ -7,7 +7,7 @@ mod batteries;
 pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use crate::battery::{BatteryParams, MappedBatteryParams, OpenCircuit, RcBranchParams};
 use crate::control::driver::{DriverParams, TorqueDriverParams};
 use crate::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use crate::converter::ConverterParams;
@@ -21,25 +21,28 @@ use crate::mechanics::wheel::WheelParams;
 use crate::num::Real;
 use crate::powertrain::PowertrainParams;
 
-/// A vehicle with its driver.
+/// A vehicle with its driver; `P` says which battery it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Vehicle {
+pub struct Vehicle<P = BatteryParams> {
     /// Its name, as in `voltstep replay --vehicle`.
     pub name: &'static str,
     /// State of charge at the start of a cycle, 0..1.
     pub initial_soc: Real,
     /// The plant.
-    pub powertrain: PowertrainParams,
+    pub powertrain: PowertrainParams<P>,
     /// Who drives it.
     pub driver: DriverParams,
 }
 
-/// Every vehicle.
+/// Every vehicle whose battery has constant parameters.
 pub const VEHICLES: [&Vehicle; 4] =
-    [&BMW_I3_60AH, &BMW_I3_60AH_EPOWERTRAIN, &EPOWERTRAIN_UDDS, &EPOWERTRAIN_UDDS_TABLE];
+    [&BMW_I3_60AH_CONSTANT, &BMW_I3_60AH_EPOWERTRAIN, &EPOWERTRAIN_UDDS, &EPOWERTRAIN_UDDS_TABLE];
 
-/// The laboratory motor as identified by Pasek's method (EPowertrain 2025, section 5.1).
+/// Every vehicle whose battery has parameters over state of charge and temperature.
+pub const MAPPED_VEHICLES: [&Vehicle<MappedBatteryParams>; 1] = [&BMW_I3_60AH];
+
+/// The laboratory motor as identified by Pasek's method \[EPowertrain2025, section 5.2.1\].
 pub const MOTOR_PASEK: DcMotorParams = DcMotorParams {
     resistance_ohm: 30.9,
     inductance_h: 0.438,
@@ -50,11 +53,11 @@ pub const MOTOR_PASEK: DcMotorParams = DcMotorParams {
     coulomb_nm: 0.128,
 };
 
-/// The same motor as identified by the method of moments (EPowertrain 2025, section 5.1).
+/// The same motor as identified by the method of moments \[EPowertrain2025, section 5.2.1\].
 pub const MOTOR_MOMENTS: DcMotorParams =
     DcMotorParams { inductance_h: 0.803, inertia_kg_m2: 0.0031, ..MOTOR_PASEK };
 
-/// The motor of the converter bench (EPowertrain 2025, Table 5.4). Its Kt exceeds its Ke, so it
+/// The motor of the converter bench \[EPowertrain2025, Table 5.4\]. Its Kt exceeds its Ke, so it
 /// creates energy: the ledger's `conversion` term is negative.
 pub const CONVERTER_BENCH_MOTOR: DcMotorParams = DcMotorParams {
     resistance_ohm: 0.025,
@@ -66,14 +69,14 @@ pub const CONVERTER_BENCH_MOTOR: DcMotorParams = DcMotorParams {
     coulomb_nm: 0.0,
 };
 
-/// Supply of the converter bench \[V\] (EPowertrain 2025, Table 5.4).
+/// Supply of the converter bench \[V\] \[EPowertrain2025, Table 5.4\].
 pub const CONVERTER_BENCH_SUPPLY_V: Real = 400.0;
 
-/// Load of the converter bench (EPowertrain 2025, Table 5.4).
+/// Load of the converter bench \[EPowertrain2025, Table 5.4\].
 pub const CONVERTER_BENCH_LOAD: RotationalLoadParams =
     RotationalLoadParams { inertia_kg_m2: 10.0, viscous_nm_s_per_rad: 8.5e-6, coulomb_nm: 0.0 };
 
-/// The controller of both UDDS sets (EPowertrain 2025, section 5.4): m/s to duty, no limit.
+/// The controller of both UDDS sets \[EPowertrain2025, section 5.3\]: m/s to duty, no limit.
 const UDDS_PID: PidParams = PidParams {
     proportional: 20.0,
     integral_per_s: 0.1,
@@ -87,7 +90,7 @@ const UDDS_PID: PidParams = PidParams {
     anti_windup: AntiWindup::Freeze,
 };
 
-/// The synchronous machine that EPowertrain (2025) has by default.
+/// The synchronous machine of the source work, with its defaults \[EPowertrain2025, PMSM\].
 pub const PMSM_EPOWERTRAIN: PmsmParams = PmsmParams {
     flux: Flux::Linear(LinearFlux { magnet_wb: 0.125, d_h: 7e-3, q_h: 7e-3 }),
     resistance_ohm: 2.98,
@@ -99,7 +102,7 @@ pub const PMSM_EPOWERTRAIN: PmsmParams = PmsmParams {
     coulomb_nm: 0.0,
 };
 
-/// Table 5.5 of EPowertrain (2025), to the letter.
+/// Table 5.5 of EPowertrain2025, to the letter.
 pub const EPOWERTRAIN_UDDS_TABLE: Vehicle = Vehicle {
     name: "epowertrain-udds-table",
     initial_soc: 0.80,
@@ -138,7 +141,7 @@ pub const EPOWERTRAIN_UDDS_TABLE: Vehicle = Vehicle {
     driver: DriverParams::Duty(UDDS_PID),
 };
 
-/// Table 5.5 of EPowertrain (2025) with the motor constants of its printed code, Ke = Kt = 1.4:
+/// Table 5.5 of EPowertrain2025 with the motor constants of its printed code, Ke = Kt = 1.4:
 /// the reading that gives the published state of charge.
 pub const EPOWERTRAIN_UDDS: Vehicle = Vehicle {
     name: "epowertrain-udds",
@@ -153,7 +156,7 @@ pub const EPOWERTRAIN_UDDS: Vehicle = Vehicle {
     ..EPOWERTRAIN_UDDS_TABLE
 };
 
-/// The BMW i3 of EPowertrain (2025), Table 5.6, to the letter. Its winding resistance is rated
+/// The BMW i3 of EPowertrain2025, Table 5.6, to the letter. Its winding resistance is rated
 /// voltage over rated current, not an armature resistance, its gear ratio is not the car's, and
 /// its Kt exceeds its Ke: see [`BMW_I3_60AH`] for a physical set.
 pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
@@ -197,27 +200,36 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
     }),
 };
 
-/// A physical BMW i3 60 Ah.
+/// A physical BMW i3 60 Ah, with the battery of [`BMW_I3_60AH_PACK`].
 ///
 /// | Value | Source |
 /// |---|---|
 /// | peak torque 250 N·m, peak power 125 kW, gear ratio 9.665, drag 0.29 · 2.38 m² | BMW, technical data of the i3 (60 Ah), 2013 |
 /// | mass 1490 kg | estimate: what the motor torque of the 28 trips below accelerates, behind this gear; 1195 kg kerb weight (DIN, BMW), driver, passengers, equipment |
 /// | wheel radius 0.340 m | tyre 155/70 R19, 0.350 m unloaded; rolling radius by ETRTO's circumference of 3.05 diameters |
-/// | 60 Ah, 343.22…399.8 V, 0.1051 Ω and the RC branch | EPowertrain (2025), Table 5.6, identified there on one trip of the real car |
 /// | regeneration 87 N·m, 57 kW; auxiliary base load 530 W; discharge 400 A | extremes, and the median at standstill less heating and air conditioning, of 28 trips of a real car (TU Munich, DOI 10.21227/6jr9-5235) |
 /// | charge limit 150 A | estimate, just above the largest of the same trips (145 A) |
 /// | rolling resistance 0.0131 | estimate from the motor torque of the same trips; it stands for everything that resists at any speed |
 /// | Ke = Kt = 0.27 | estimate: a DC machine that reaches 150 km/h (top speed, BMW) at 311 V without field weakening |
 /// | winding 5 mΩ, 50 µH | estimate: 4.3 kW of heat at 250 N·m; 10 ms |
-/// | rotor 0.031 kg·m², viscous friction | EPowertrain (2025), Table 5.6 |
+/// | rotor 0.031 kg·m², viscous friction | EPowertrain2025, Table 5.6 |
 /// | wheels 2.2 kg·m² | estimate: four of 9 kg near the rim |
 /// | gear efficiency 0.97 | estimate for one stage with differential |
 /// | converter 1.0 V, 1 mΩ | estimate: about 98 % at 20 kW; its constant loss is part of the base load measured at standstill |
 /// | regeneration fades below 3 m/s and above 95 % | estimate |
 /// | friction brake 15 kN | estimate: more than the tyres hold |
-pub const BMW_I3_60AH: Vehicle = Vehicle {
+pub const BMW_I3_60AH: Vehicle<MappedBatteryParams> = Vehicle {
     name: "bmw-i3-60ah",
+    initial_soc: BMW_I3_60AH_CONSTANT.initial_soc,
+    powertrain: BMW_I3_60AH_CONSTANT.powertrain.with_battery(BMW_I3_60AH_PACK),
+    driver: BMW_I3_60AH_CONSTANT.driver,
+};
+
+/// [`BMW_I3_60AH`] with a battery of constant parameters, for targets that want no map: 60 Ah,
+/// 343.22…399.8 V, 0.1051 Ω and the RC branch from EPowertrain2025, Table 5.6, identified there
+/// on one trip of the real car.
+pub const BMW_I3_60AH_CONSTANT: Vehicle = Vehicle {
+    name: "bmw-i3-60ah-constant",
     initial_soc: 0.90,
     powertrain: PowertrainParams {
         battery: BatteryParams {

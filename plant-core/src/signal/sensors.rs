@@ -1,11 +1,17 @@
 //! Sensors: what a measurement makes of a value.
+//!
+//! `reading = gain·x + offset`, rounded to the nearest multiple of the quantum; on a shaft
+//! `ω_el = p·ω_mech`, `θ = ∫ω dt`. The quantities are those of \[EPowertrain2025, `Sensors`\],
+//! which are ideal; the errors are ours.
+//!
+//! Tests: below; properties `finite`, `refusal`; case "sensors".
 
 use crate::error::{ParamError, check, finite, not_negative, positive};
 use crate::mechanics::rotational::{angle_rad, turn, turns_per_rad_s};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, floor, sane};
 
-/// What is known about a sensor; the same for every quantity, in the quantity's own unit.
+/// Parameters of a sensor; the same for every quantity, in the quantity's own unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -75,19 +81,39 @@ macro_rules! sensor_of {
         #[doc = concat!("A ", $quantity, " sensor: `gain·x + offset`, in multiples of the quantum.")]
         ///
         /// It has no state of its own and no time in it, so it takes no `Dt`.
+        ///
+        /// ```
+        /// use plant_core::must;
+        #[doc = concat!(
+            "use plant_core::signal::sensors::{SensorParams, ", stringify!($sensor), ", ",
+            stringify!($input), "};"
+        )]
+        ///
+        /// const PARAMS: SensorParams = SensorParams { gain: 1.0, offset: 0.5, quantum: 0.1 };
+        #[doc = concat!(
+            "const SENSOR: ", stringify!($sensor), " = must!(", stringify!($sensor),
+            "::new(PARAMS));"
+        )]
+        ///
+        #[doc = concat!(
+            "let out = SENSOR.step(&mut (), ", stringify!($input), " { ", stringify!($field),
+            ": 12.34 });"
+        )]
+        #[doc = concat!("assert!((out.", stringify!($field), " - 12.8).abs() < 1e-5);")]
+        /// ```
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $sensor {
             scale: Scale,
         }
 
-        #[doc = concat!("What a [`", stringify!($sensor), "`] measures.")]
+        #[doc = concat!("Input of a [`", stringify!($sensor), "`].")]
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $input {
             #[doc = concat!("The true ", $quantity, " \\[", $unit, "\\].")]
             pub $field: Real,
         }
 
-        #[doc = concat!("What a [`", stringify!($sensor), "`] says.")]
+        #[doc = concat!("Output of a [`", stringify!($sensor), "`].")]
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct $output {
@@ -123,7 +149,7 @@ macro_rules! sensor_of {
 sensor_of!("voltage", voltage_v, "V", VoltageSensor, VoltageSensorInput, VoltageSensorOutput);
 sensor_of!("current", current_a, "A", CurrentSensor, CurrentSensorInput, CurrentSensorOutput);
 
-/// What is known about a speed sensor on a shaft.
+/// Parameters of a speed sensor on a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -141,7 +167,25 @@ pub struct AxialSpeedSensorParams {
 /// A speed sensor on a shaft, with the angle.
 ///
 /// `ω_el = p·ω_mech`, p the pole pairs; `θ` is the integral of the true speed, whatever the
-/// speed's reading is. (EPowertrain 2025, `AxialSpeed`, swaps electrical and mechanical speed.)
+/// speed's reading is. \[EPowertrain2025, `AxialSpeed`\] swaps electrical and mechanical speed.
+///
+/// ```
+/// use plant_core::signal::sensors::{
+///     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorParams, AxialSpeedSensorState,
+///     SensorParams,
+/// };
+/// use plant_core::{Dt, must};
+///
+/// const RESOLVER: AxialSpeedSensor = must!(AxialSpeedSensor::new(
+///     AxialSpeedSensorParams { speed: SensorParams::IDEAL, pole_pairs: 6 },
+///     must!(Dt::from_s(0.01)),
+/// ));
+///
+/// let mut state = AxialSpeedSensorState::default();
+/// let out = RESOLVER.step(&mut state, AxialSpeedSensorInput { speed_rad_s: 10.0 });
+/// assert_eq!(out.electrical_speed_rad_s, 60.0);
+/// assert!((out.angle_rad - 0.1).abs() < 1e-6 && (out.electrical_angle_rad - 0.6).abs() < 1e-5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialSpeedSensor {
     scale: Scale,
@@ -157,14 +201,14 @@ pub struct AxialSpeedSensorState {
     pub turns: Accum,
 }
 
-/// What an [`AxialSpeedSensor`] measures.
+/// Input of an [`AxialSpeedSensor`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialSpeedSensorInput {
     /// The true mechanical speed over the step \[rad/s\].
     pub speed_rad_s: Real,
 }
 
-/// What one step of an [`AxialSpeedSensor`] says.
+/// Output of one step of an [`AxialSpeedSensor`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxialSpeedSensorOutput {

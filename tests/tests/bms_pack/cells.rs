@@ -46,14 +46,7 @@ fn judged(open_circuit: OpenCircuit, packs: u64, missing: usize) -> [Honesty; 40
         let (start, offset) = (drawn(p.soc_sd), drawn(p.offset_sd_v));
         let (resistance, capacity) = (drawn(p.resistance_sd_ohm), drawn(p.capacity_sd));
         let mut n = Normal(seed + 1_000_000);
-        let at = |soc: f64| Estimate {
-            soc: soc as Real,
-            soc_sd: 0.0,
-            polarisation_v: [0.0; 2],
-            hysteresis: 0.0,
-            offset_v: 0.0,
-            temperature_c: 25.0,
-        };
+        let at = |soc: f64| Estimate::rested(soc as Real, 0.0, 25.0);
         let mut state = model.start::<CELLS>(at(0.95));
         for second in 0..2 * SECONDS {
             let down = f64::from(if second < SECONDS { second } else { 2 * SECONDS - second });

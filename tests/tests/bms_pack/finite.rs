@@ -82,14 +82,7 @@ proptest! {
             voltage_max_v: 5.0,
         };
         let model = Cells::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
-        let at = |soc, soc_sd| Estimate {
-            soc,
-            soc_sd,
-            polarisation_v: [0.0; 2],
-            hysteresis: 0.0,
-            offset_v: 0.0,
-            temperature_c: 25.0,
-        };
+        let at = |soc, soc_sd| Estimate::rested(soc, soc_sd, 25.0);
         let mut state = model.start::<4>(at(0.5, 0.05));
         for (soc, soc_sd, current_a, cell_v) in steps {
             let pack = at(soc, soc_sd);

@@ -16,7 +16,7 @@ use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
 use plant_core::powertrain::{Powertrain, PowertrainParams};
-use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
+use plant_core::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
 };
@@ -85,7 +85,7 @@ macro_rules! refuses_variant {
     }};
 }
 
-const PLANT: PowertrainParams = BMW_I3_60AH.powertrain;
+const PLANT: PowertrainParams = BMW_I3_60AH_CONSTANT.powertrain;
 
 #[test]
 fn step() {
@@ -286,7 +286,9 @@ fn pid() {
 #[test]
 fn drivers() {
     let make = |p| Driver::new(p, &PLANT, DT);
-    let DriverParams::Torque(torque) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+    let DriverParams::Torque(torque) = BMW_I3_60AH_CONSTANT.driver else {
+        panic!("a torque driver")
+    };
     refuses!(|p| make(DriverParams::Torque(p)), TorqueDriverParams: torque, {
         peak_torque_nm: LIMIT,
         peak_power_w: LIMIT,

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use anyhow::{Result, ensure};
 
-use super::{Cost, Measured, line};
+use super::{Cost, Measured};
 use crate::firmware;
+use crate::qemu::line;
 
 /// The item, what its row says, and the most instructions that a step of it may take.
 const ROWS: &[(&str, &str, f64)] = &[

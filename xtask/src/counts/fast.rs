@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use anyhow::{Result, bail};
 
-use super::{Measured, line};
+use super::Measured;
+use crate::qemu::line;
 
 const FUNCTIONS: [&str; 2] = ["sqrt", "exp"];
 

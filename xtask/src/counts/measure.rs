@@ -1,14 +1,17 @@
 //! Counting in QEMU: the items of an image, one after the other.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 
 use super::{Cost, Measured, missing};
+use crate::counted::{parse_counts, section_bytes};
 use crate::firmware;
+use crate::qemu::{self, line};
 use crate::shell::{output, program, run};
 
 /// An empty function: `push`, `mov`, `pop`. The target keeps frame pointers.
@@ -22,9 +25,6 @@ const PREFIX: &str = "bench_";
 /// So do those of steps in which a limit acts.
 const LIMITED: &str = "limited_";
 
-/// Instructions per call: least, mean, most.
-pub type Counted = (u64, f64, u64);
-
 /// A processor on which items are counted.
 pub struct Machine {
     /// What it is compiled for.
@@ -36,11 +36,8 @@ pub struct Machine {
 }
 
 /// The processor of the firmware example.
-pub const M4F: Machine = Machine {
-    target: firmware::TARGET,
-    binary: "voltstep-bench",
-    qemu: &["-cpu", "cortex-m4", "-machine", "mps2-an386"],
-};
+pub const M4F: Machine =
+    Machine { target: firmware::TARGET, binary: "voltstep-bench", qemu: qemu::MPS2_AN386 };
 
 /// One without floating point. QEMU has a Cortex-M0, which has the same instructions as the M0+;
 /// the machine gets more memory than the real one has, for the painted stacks.
@@ -62,15 +59,9 @@ impl Machine {
         for (name, address) in functions(&nm) {
             let _ = write!(argument, ",item={name}@{address}");
         }
-        let said = output(
-            program("qemu-system-arm")
-                .args(self.qemu)
-                .args(["-nographic", "-semihosting-config", "enable=on,target=native", "-kernel"])
-                .arg(&elf)
-                .args(["-d", "plugin", "-D"])
-                .arg(&log)
-                .args(["-plugin", &argument]),
-        )?;
+        let log_to = [OsStr::new("-d"), OsStr::new("plugin"), OsStr::new("-D"), log.as_os_str()];
+        let plugin = [OsStr::new("-plugin"), OsStr::new(&argument)];
+        let said = qemu::run(self.qemu, &elf, &[&log_to[..], &plugin].concat())?;
         let counted = fs::read_to_string(&log).context("the plugin wrote no log")?;
         let empty = self.flash("none")?;
         let mut costs: BTreeMap<String, Cost> = BTreeMap::new();
@@ -132,45 +123,10 @@ fn functions(nm: &str) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Minimum, mean and maximum of each item, from the plugin's log.
-pub fn parse_counts(log: &str) -> Result<Vec<(String, Counted)>> {
-    log.lines()
-        .filter_map(|line| line.strip_prefix("count "))
-        .map(|line| {
-            let words: Vec<_> = line.split(' ').collect();
-            let [name, figures @ ..] = &words[..] else { bail!("cannot read `{line}`") };
-            let figures: Vec<u64> =
-                figures.iter().map(|word| word.parse()).collect::<Result<_, _>>()?;
-            let [calls, sum, min, max, _at] = figures[..] else { bail!("cannot read `{line}`") };
-            ensure!(calls > 0, "`{name}` was never called, or is one function with another item");
-            #[expect(clippy::cast_precision_loss, reason = "sums stay below 2^53")]
-            let mean = sum as f64 / calls as f64;
-            // As many places as the table shows, so that baseline and table agree.
-            Ok((String::from(*name), (min, (mean * 10.0).round() / 10.0, max)))
-        })
-        .collect()
-}
-
 /// Bytes of state and stack of an item, from what the image says.
 pub fn parse_item(said: &str, name: &str) -> Option<(u64, u64)> {
-    let line = said.lines().find_map(|line| line.strip_prefix(&format!("item {name} ")))?;
-    let (state, stack) = line.split_once(' ')?;
+    let (state, stack) = line(said, &format!("item {name}")).ok()?.split_once(' ')?;
     Some((state.parse().ok()?, stack.trim().parse().ok()?))
-}
-
-/// The sum of some sections in the output of `size -A`.
-pub fn section_bytes(sizes: &str, sections: &[&str]) -> Result<u64> {
-    let mut sum = 0;
-    for line in sizes.lines() {
-        let mut words = line.split_whitespace();
-        if let (Some(section), Some(bytes)) = (words.next(), words.next())
-            && sections.contains(&section)
-        {
-            sum += bytes.parse::<u64>().with_context(|| format!("cannot read `{line}`"))?;
-        }
-    }
-    ensure!(sum > 0, "the image is empty");
-    Ok(sum)
 }
 
 #[cfg(test)]
@@ -178,17 +134,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn logs_are_read() {
-        let counts = parse_counts("count battery 4 402 100 101 2\nrun 40 7\n").unwrap();
-        assert_eq!(counts, [(String::from("battery"), (100, 100.5, 101))]);
-        assert!(parse_counts("count battery 0 0 0 0 0").is_err(), "never called");
-        assert!(parse_counts("count battery 4").is_err());
+    fn items_and_functions_are_read() {
         assert_eq!(parse_item("item battery 16 8\n", "battery"), Some((16, 8)));
         assert_eq!(parse_item("item battery2 16 8\n", "battery"), None);
         let nm = "00004711 T bench_battery\n00000400 t other\n         U hole\n";
         assert_eq!(functions(nm), [("battery", String::from("0x00004711"))]);
-        let sizes = ".text   100  1024\n.rodata 20 0\n.debug 9999 0\n.data 4 0\nTotal 1\n";
-        assert_eq!(section_bytes(sizes, &[".text", ".rodata", ".data"]).unwrap(), 124);
-        assert!(section_bytes("", &[".text"]).is_err());
     }
 }

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result, ensure};
 
-use super::{Cost, Measured, line};
+use super::{Cost, Measured};
 use crate::firmware;
+use crate::qemu::line;
 
 /// Ours and theirs: the item, what its row says, the item it is compared with, and the one whose
 /// behaviour is its own.

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use anyhow::{Context, Result, ensure};
 
 use super::table::share_of_1_khz;
-use super::{ITEMS, Measured, line};
+use super::{ITEMS, Measured};
 use crate::firmware::{self, SMALL_TARGET};
+use crate::qemu::line;
 
 /// What is counted there.
 const COUNTED: &[&str] = &[

@@ -1,16 +1,13 @@
 //! The tables, and where they are published.
 
 use std::fmt::Write;
-use std::fs;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 
 use super::Cost;
-use crate::firmware::{self, TARGET};
+use crate::documents;
+use crate::firmware::TARGET;
 
-const README: &str = "README.md";
-/// Where the table goes when the README has no place for it.
-const PAGE: &str = "docs/counts.md";
 const BEGIN: &str = "<!-- counts:begin -->";
 const END: &str = "<!-- counts:end -->";
 
@@ -46,21 +43,17 @@ pub fn table(rows: &[(&str, Cost)]) -> String {
     text
 }
 
-/// Puts the table between its markers: in the README where it has them, else on a page.
+/// Puts the table between its markers, in the documents that have them.
 pub fn publish(table: &str) -> Result<()> {
-    let readme = firmware::root().join(README);
-    let text = fs::read_to_string(&readme).unwrap_or_default();
-    if let Some(text) = between_markers(&text, table) {
-        return fs::write(&readme, text).context(README);
+    let mut places = 0;
+    for document in documents::all()? {
+        if let Some(text) = between_markers(&document.text, table) {
+            document.replace(&text)?;
+            places += 1;
+        }
     }
-    let page = firmware::root().join(PAGE);
-    if let Some(folder) = page.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let text = fs::read_to_string(&page)
-        .unwrap_or_else(|_| format!("# What a step costs\n\n{BEGIN}\n{END}\n"));
-    let text = between_markers(&text, table).with_context(|| format!("{PAGE} has no {BEGIN}"))?;
-    fs::write(&page, text).context(PAGE)
+    ensure!(places > 0, "no document has a place for the table: {BEGIN}");
+    Ok(())
 }
 
 fn between_markers(text: &str, table: &str) -> Option<String> {

@@ -8,8 +8,9 @@ use plant_core::presets::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 use plant_core::{Accum, Dt, must};
 
 use super::*;
-use crate::estimate::energy::EnergyParams;
-use crate::estimate::power::BoundBy;
+use crate::estimate::energy::{EnergyParams, EnergyState};
+use crate::estimate::power::{Allowance, BoundBy};
+use crate::{Estimate, Health};
 
 const DT: Dt = must!(Dt::from_s(1.0));
 /// A cell whose numbers do not move when a preset is made anew.
@@ -51,14 +52,7 @@ fn snapshot() -> Snapshot {
     Snapshot {
         voltage_v: 3.612,
         current_a: 1.5,
-        estimate: Estimate {
-            soc: 0.5,
-            soc_sd: 0.011,
-            polarisation_v: [0.0; 2],
-            hysteresis: 0.0,
-            offset_v: 0.0,
-            temperature_c: 25.0,
-        },
+        estimate: Estimate::rested(0.5, 0.011, 25.0),
         health: Health::as_new(&CELL),
         averages: EnergyState { average_a: Accum::new(1.2), average_w: Accum::new(4.32) },
         discharge: Allowance {

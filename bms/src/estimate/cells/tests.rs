@@ -24,14 +24,7 @@ fn cells(params: CellsParams) -> Cells {
 }
 
 fn pack(soc: Real) -> Estimate {
-    Estimate {
-        soc,
-        soc_sd: 0.01,
-        polarisation_v: [0.0; 2],
-        hysteresis: 0.0,
-        offset_v: 0.0,
-        temperature_c: 25.0,
-    }
+    Estimate::rested(soc, 0.01, 25.0)
 }
 
 /// LFP-like: steep, flat between 25 % and 75 %, steep.

@@ -1,10 +1,39 @@
 //! State of charge from current and voltage, with a standard deviation that can be believed.
 //!
-//! An extended Kalman filter (Plett 2004, part 3) with two states: the state of charge, and the
+//! An extended Kalman filter \[Plett2004Part3\] with two states: the state of charge, and the
 //! error of the model's voltage. What makes its standard deviation honest is the second one: a
 //! model that is 15 mV wrong stays so for minutes, and a filter that takes this for noise averages
 //! it away and claims what it cannot know.
 //!
+//! # Equations
+//! ```text
+//! prediction   s ← s − h·(I − I_off)/(3600·Q)        v_k ← v_k + g_k·(R_k·(I − I_off) − v_k)
+//! measurement  V = OCV(s) + M·η + e − R_0·(I − I_off) − v_1 − v_2 + noise of variance r
+//! covariance   P = U·D·Uᵀ,  U = (1 u; 0 1),  D = diag(d_s, d_e):  var(s) = d_s + u²·d_e
+//! correction   w = u·H + 1    S = r + H²·d_s + w²·d_e    Δs = (H·d_s + u·w·d_e)·res/S
+//!              Δe = w·d_e·res/S    d_s ← d_s·r/(r + H²·d_s)    d_e ← d_e·(r + H²·d_s)/S
+//!              u ← u − d_s·H·w/(r + H²·d_s)
+//! ```
+//! The covariance in factors \[Bierman1977, section V.3\] is symmetric by form, and positive as
+//! long as `d_s` and `d_e` are, which only ever are multiplied by ratios of positive numbers or
+//! added to.
+//!
+//! | Symbol | Field |
+//! |---|---|
+//! | `s`, state of charge | [`EkfState::soc`]: `soc_before + rise` |
+//! | `v_1`, `v_2`, polarisation | [`EkfState::polarisation_v`] |
+//! | `e`, error of the model's voltage | [`EkfState::error_v`] |
+//! | `d_s`, `d_e` | [`EkfState::own_variance`], [`EkfState::error_variance_v2`] |
+//! | `u`; `var(s)` | [`EkfState::shared_per_v`]; [`EkfState::variance`] |
+//! | `I_off`, offset of the current sensor | [`EkfState::current_offset_a`] |
+//! | `R_0`; `g_k·R_k` | `series_ohm`; `branch_ohm` |
+//! | `OCV + M·η` and its tangent, as of the last refresh | `open_circuit_v`, `tangent_v` |
+//! | `H`, slope that the correction uses | `slope_v` |
+//! | `r = r_0 + r_I·I²` | `noise_v2`, `load_noise_ohm2` |
+//! | `η`, hysteresis; `Ī`; `σ` | `slow.hysteresis`, `slow.load_a`, `slow.error_sd_v` |
+//! | `res`; its mean | [`EkfOutput::residual_v`]; `slow.residual_v` |
+//!
+//! # What is ours
 //! - **The model's error** is coloured. Its standard deviation follows the load:
 //!   `σ² = σ_ocv² + (ρ·R·Ī)² + σ_pol²` with ρ the relative error of the resistances, Ī the mean
 //!   magnitude of the current over minutes, and `σ_pol` what is left of an unknown polarisation at
@@ -16,20 +45,22 @@
 //!   noise with the same spectral density.
 //! - **The curve bends**: of its mean slopes within three standard deviations the least counts; a
 //!   curve that is steep on one side only says little.
-//! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of
-//!   more than three standard deviations says that the battery has left the flat part, and where to.
+//! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of more
+//!   than three standard deviations says that the battery has left the flat part, and where to.
 //! - **Drift**: offset of the current sensor and error of the capacity, as a random walk that
 //!   reaches their effect after an hour.
 //!
 //! The polarisation is that of the model under the measured current: the branches forget, so what
-//! is wrong in them is part of the model's error. The covariance is kept as `U·D·Uᵀ` (Bierman 1977,
-//! section V.3): symmetric by form, positive as long as its two factors are, which only ever are
-//! multiplied by ratios of positive numbers or added to.
+//! is wrong in them is part of the model's error.
 //!
 //! [`Ekf::update`] predicts and corrects at each sample, along the tangent of the open-circuit
 //! curve; [`Ekf::refresh`], about once a second, brings that tangent, the resistances and the
 //! variances that only grow slowly up to date.
+//!
+//! Tests: `tests` below; long runs in `tests/tests/bms_ekf.rs`; measured cells and trips in
+//! `tests/tests/soc.rs` and `voltstep soc --matrix`.
 
+mod correction;
 mod params;
 mod slow;
 #[cfg(test)]
@@ -42,14 +73,20 @@ use plant_core::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sqr
 use plant_core::{Dt, Model, ParamError, check};
 
 use crate::Estimate;
+use correction::Correction;
 
-/// A correction of the state of charge beyond this is made with the curve's slope on the way.
+/// A correction of the state of charge beyond this is made with the curve's mean slope over it.
+/// Chosen: a table's point and a half. Measured (as `slow` says): 0.80 % and 1.90 %, 0.81 % and
+/// 1.89 %.
 const LARGE_CORRECTION: Real = 0.02;
-/// Slopes that are tried for it.
+/// Slopes that are tried for it. Chosen: each brings the correction nearer; a bound on the cost.
 const CORRECTIONS: u32 = 3;
-/// A residual beyond this many standard deviations is no measurement.
+/// A residual beyond this many standard deviations is no measurement. Chosen: noise alone goes there
+/// once in 5e8 samples. Measured: 0.81 % and 1.89 %, 0.82 % and 1.89 %.
 const OUTLIER: Real = 6.0;
-/// The most that the model's error, and what is left of it, may be in standard deviations.
+/// The most that the model's error, and what is left of it, may be in standard deviations. Chosen:
+/// 0.3 % of what is normally distributed lies beyond. Measured: 0.86 % and 1.97 % (half of it leaves
+/// flat parts too early), 0.81 % and 1.89 %.
 const CONSISTENT: Real = 3.0;
 
 /// A Kalman filter for the state of charge, discretised for one step.
@@ -131,7 +168,7 @@ pub struct EkfState {
     slow: slow::Slow,
 }
 
-/// What was measured at the end of a step; not a number where it was not.
+/// Input of one step of an [`Ekf`]: what was measured at its end; not a number where it was not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfInput {
@@ -145,7 +182,7 @@ pub struct EkfInput {
     pub contactors_open: bool,
 }
 
-/// What one step of an [`Ekf`] says; [`Ekf::estimate`] and [`Ekf::status`] say what is known.
+/// Output of one step of an [`Ekf`]; [`Ekf::estimate`] and [`Ekf::status`] say what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfOutput {
@@ -170,60 +207,6 @@ pub struct EkfStatus {
     pub outside_identified: bool,
     /// The temperature is not known; the last one holds.
     pub temperature_missing: bool,
-}
-
-/// The terms of one correction with a given slope of the open-circuit curve (Bierman 1977, V.3).
-struct Correction {
-    slope_v: Real,
-    /// Variance of the residual but for the model's error \[V²\].
-    partial_v2: Real,
-    /// One over the variance of the residual \[1/V²\].
-    per_total: Real,
-    /// What the residual has in common with the own part of the state of charge \[V\], times the
-    /// weight that it gives the model's error.
-    cross_v: Real,
-    /// Correction of the state of charge for each volt of residual \[1/V\].
-    soc_per_v: Real,
-    /// Correction of the model's error, likewise.
-    error_gain: Real,
-}
-
-impl Correction {
-    #[inline(always)]
-    fn new(state: &EkfState, slope: Real, noise_v2: Real) -> Self {
-        let weight = state.shared_per_v * slope + 1.0;
-        let own_v = state.own_variance * slope;
-        let error_v2 = state.error_variance_v2 * weight;
-        let partial_v2 = noise_v2 + slope * own_v;
-        let per_total = 1.0 / (partial_v2 + weight * error_v2);
-        Self {
-            slope_v: slope,
-            partial_v2,
-            per_total,
-            cross_v: own_v * weight,
-            soc_per_v: (own_v + state.shared_per_v * error_v2) * per_total,
-            error_gain: error_v2 * per_total,
-        }
-    }
-
-    /// What it does to the covariance.
-    #[inline(always)]
-    fn shrink(&self, state: &mut EkfState, noise_v2: Real) {
-        let per_partial = 1.0 / self.partial_v2;
-        state.shared_per_v -= self.cross_v * per_partial;
-        state.own_variance *= noise_v2 * per_partial;
-        state.error_variance_v2 *= self.partial_v2 * self.per_total;
-    }
-
-    /// Corrects state and covariance by a residual.
-    #[inline(always)]
-    fn apply(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
-        state.residual_sum_v += residual_v;
-        state.rise += self.soc_per_v * residual_v;
-        state.error_v += self.error_gain * residual_v;
-        self.shrink(state, noise_v2);
-        EkfOutput { residual_v, rejected: false }
-    }
 }
 
 impl Ekf {
@@ -324,7 +307,7 @@ impl Ekf {
         (voltage_v + slope * (soc - inside), slope)
     }
 
-    /// A large correction with the mean slope of the curve on its way: where the curve bends, the
+    /// A large correction with the mean slope of the curve over it: where the curve bends, the
     /// slope at its start would lead astray. A residual that is no measurement corrects nothing,
     /// nor does one that would lower the state of charge for a voltage that is too high: that comes
     /// of a slope that was another one when the model's error was learnt, not of the battery.
@@ -335,11 +318,11 @@ impl Ekf {
         let (open_circuit_v, _) = self.open_circuit(soc);
         let mut correction = Correction::new(state, state.slope_v, noise_v2);
         for _ in 0..CORRECTIONS {
-            let way = clamp(soc + correction.soc_per_v * residual_v, 0.0, 1.0) - soc;
-            if way.abs() < 0.1 * LARGE_CORRECTION {
+            let change = clamp(soc + correction.soc_per_v * residual_v, 0.0, 1.0) - soc;
+            if change.abs() < 0.1 * LARGE_CORRECTION {
                 break;
             }
-            let slope = (self.open_circuit(soc + way).0 - open_circuit_v) / way;
+            let slope = (self.open_circuit(soc + change).0 - open_circuit_v) / change;
             correction = Correction::new(state, slope, noise_v2);
         }
         state.residual_sum_v += residual_v;

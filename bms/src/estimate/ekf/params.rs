@@ -1,4 +1,4 @@
-//! What an [`Ekf`](super::Ekf) is told: the battery, and how well it is known.
+//! Parameters of an [`Ekf`](super::Ekf): the battery, and how well it is known.
 
 use plant_core::battery::MappedBatteryParams;
 use plant_core::error::{above, limit, not_negative, positive, ratio};
@@ -40,6 +40,10 @@ impl Uncertainty {
     /// What fits a battery identified from drive cycles, with sensors of a production car: 10 mV a
     /// cell, 20 % of the resistance (25 % at 0 °C), 3 % of the capacity, an offset of C/100.
     ///
+    /// All are chosen. 10 mV make 1 % of charge where the curve rises by 1 V over the whole charge;
+    /// 500 K make 30 % of the resistance at −10 °C; an offset of C/100 makes 1 % of charge in an
+    /// hour; 5 % of charge are some three points of the curve's table.
+    ///
     /// `nominal_v` is the voltage at half charge \[V\], of the cell or the pack.
     #[must_use]
     pub const fn typical(nominal_v: Real, capacity_ah: Real) -> Self {
@@ -75,7 +79,7 @@ impl Uncertainty {
     }
 }
 
-/// What is known about a battery and its sensors.
+/// Parameters of an [`Ekf`](super::Ekf): a battery, its sensors, and how well they are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EkfParams {

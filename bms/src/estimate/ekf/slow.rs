@@ -6,32 +6,48 @@ use plant_core::error::ratio;
 use plant_core::num::{Accum, Real, clamp, lag_gain, max, min, sign, sqrt};
 use plant_core::{ParamError, check};
 
-use super::{CONSISTENT, Correction, Ekf, EkfInput, EkfOutput, EkfState};
+use super::correction::Correction;
+use super::{CONSISTENT, Ekf, EkfInput, EkfOutput, EkfState};
 
-/// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
+// "Measured" beside a constant: what half and twice of it make of `voltstep soc --matrix` over six
+// drive cycles of a cell and four trips (120 runs), as RMS error and mean standard deviation of the
+// state of charge. As it is: 0.81 % and 1.89 %. The truth stays within three standard deviations in
+// all of them.
+
+/// The standard deviation of a state of charge of which nothing is known: uniform in 0..1, `1/√12`.
 const UNKNOWN_SD: Real = 0.288_675_13;
-/// The mean magnitude of the current follows over this time \[s\].
+/// The mean magnitude of the current follows over this time \[s\]. Chosen: some time constants of a
+/// slow branch. Measured: 0.79 % and 1.83 %, 0.86 % and 1.92 %; on the mean a wrong start is
+/// forgotten after 300 s, 410 s instead of 380 s.
 const LOAD_MEMORY_S: Real = 300.0;
-/// The model's faster errors are correlated over this time \[s\].
+/// The model's faster errors are correlated over this time \[s\]. Chosen: a fast branch's time
+/// constant. Measured: 0.80 % and 1.85 %, 0.82 % and 1.96 %.
 const DYNAMICS_S: Real = 10.0;
-/// The random walk of the drift reaches the drift itself after this time \[s\].
+/// The random walk of the drift reaches the drift itself after this time \[s\]. Chosen: a drive.
+/// Measured: 0.81 % and 1.73 %, 0.83 % and 2.10 %.
 const DRIFT_HORIZON_S: Real = 3600.0;
 /// The offset of the current sensor is learnt over this time with open contactors \[s\] …
+/// Chosen: of one reading a second an eighth of the noise is left.
 const OFFSET_MEMORY_S: Real = 30.0;
-/// … down to this share of its standard deviation.
+/// … down to this share of its standard deviation. Chosen: a tenth of C/100 makes 0.1 % of charge in
+/// an hour, much less than the curve leaves open.
 const OFFSET_LEARNT: Real = 0.1;
 /// What an outlier adds to the standard deviation of the state of charge, per square root of a
-/// second: what keeps on contradicting the filter wins.
+/// second: what keeps on contradicting the filter wins. Chosen: 2 % in a minute. Measured: 0.81 %
+/// and 1.89 %, 0.82 % and 1.89 %: real files have few outliers.
 const DISTRUST: Real = 0.003;
-/// The mean residual follows over this time \[s\].
+/// The mean residual follows over this time \[s\]. Chosen: that of [`DYNAMICS_S`]. Measured: 0.86 %
+/// and 1.91 %, 0.81 % and 1.89 %.
 const RESIDUAL_S: Real = 10.0;
-/// The noise of a voltage that says nothing \[V²\].
+/// The noise of a voltage that says nothing \[V²\]. Chosen: it leaves a gain of nothing for any
+/// pack, `H²·d_s/r < 1e-4` up to 1000 V per unit of SOC.
 const SILENT_V2: Real = 1e9;
-/// A way too short for a mean slope: rounding would be in it.
-const SHORT_WAY: Real = 1e-3;
+/// Over less than this there is no mean slope. Chosen: the last bit of 400 V, 3e-5 V, makes
+/// 0.03 V of slope over it. Measured: no difference.
+const SHORTEST_CHORD: Real = 1e-3;
 /// 0 °C in kelvin.
 const KELVIN: Real = 273.15;
-/// Temperatures outside are no measurement \[°C\].
+/// Temperatures outside are no measurement \[°C\]: those that a battery's parameters may have.
 const TEMPERATURES_C: core::ops::RangeInclusive<Real> = -100.0..=200.0;
 
 /// What changes slowly.
@@ -278,7 +294,7 @@ impl Ekf {
             for _ in 0..2 {
                 let to = clamp(from + reach, 0.0, 1.0);
                 let (to_v, _) = self.open_circuit(to);
-                if (to - from).abs() > SHORT_WAY {
+                if (to - from).abs() > SHORTEST_CHORD {
                     state.slope_v = min(state.slope_v, (to_v - from_v) / (to - from));
                 }
                 (from, from_v) = (to, to_v);
@@ -334,9 +350,9 @@ impl Ekf {
         if params.half_gap_v > 0.0 {
             let rise = state.soc() - state.slow.soc_then;
             // A correction moves no charge.
-            let way = lag_gain(params.rate_per_soc * min(rise.abs(), moved));
-            state.slow.hysteresis += way * (sign(rise) - state.slow.hysteresis);
-            state.slow.hysteresis_sd -= way * state.slow.hysteresis_sd;
+            let share = lag_gain(params.rate_per_soc * min(rise.abs(), moved));
+            state.slow.hysteresis += share * (sign(rise) - state.slow.hysteresis);
+            state.slow.hysteresis_sd -= share * state.slow.hysteresis_sd;
         }
         state.slow.soc_then = state.soc();
     }

@@ -13,14 +13,7 @@ const FULL_AH: f64 = PANASONIC_NCR18650PF.capacity_ah as f64;
 const GAUGE: EnergyGauge<'static> = must!(EnergyGauge::new(PARAMS, &CELL, DT));
 
 fn at(soc: Real, temperature_c: Real) -> Estimate {
-    Estimate {
-        soc,
-        soc_sd: 0.0,
-        polarisation_v: [0.0; 2],
-        hysteresis: 0.0,
-        offset_v: 0.0,
-        temperature_c,
-    }
+    Estimate::rested(soc, 0.0, temperature_c)
 }
 
 fn health() -> Health {

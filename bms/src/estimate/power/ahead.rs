@@ -1,4 +1,6 @@
 //! The battery under a constant current, some seconds ahead.
+//!
+//! The equations are those of [`power`](super). Tests: below, and those of `power`.
 
 use plant_core::battery::{MappedBattery, Resistances};
 use plant_core::error::{check, positive};
@@ -7,17 +9,19 @@ use plant_core::{ParamError, Real};
 
 use crate::{Estimate, Health};
 
-/// Stretches that a horizon is cut into.
+/// Stretches that a horizon is cut into. Chosen: with them the voltage stays within 10 mV of its limit
+/// on the plant (`tests/tests/bms_power.rs`); 4 and 16 pass the unit tests, too, and each costs its
+/// share of the time.
 const STRETCHES: u32 = 8;
 
-/// Which way the current flows.
+/// In which direction the current flows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Direction {
     Discharge,
     Charge,
 }
 
-impl Way {
+impl Direction {
     /// Of the current; and of the voltage's distance to the limit that it runs towards.
     pub(super) const fn sign(self) -> Real {
         match self {
@@ -105,7 +109,7 @@ impl<'a> Ahead<'a> {
         horizon: &'a Horizon,
         estimate: &'a Estimate,
         health: &Health,
-        way: Way,
+        direction: Direction,
     ) -> Self {
         Self {
             battery,
@@ -113,7 +117,7 @@ impl<'a> Ahead<'a> {
             estimate,
             resistance_factor: health.resistance_factor,
             soc_per_as: 1.0 / (3600.0 * health.capacity_ah),
-            sign: way.sign(),
+            sign: direction.sign(),
             now: battery.resistances(estimate.soc, estimate.temperature_c),
         }
     }

@@ -30,14 +30,7 @@ const PARAMS: PowerParams = PowerParams {
 const LIMITS: PowerLimits<'static> = must!(PowerLimits::new(PARAMS, &CELL));
 
 fn at(soc: Real, temperature_c: Real) -> Estimate {
-    Estimate {
-        soc,
-        soc_sd: 0.0,
-        polarisation_v: [0.0; 2],
-        hysteresis: 0.0,
-        offset_v: 0.0,
-        temperature_c,
-    }
+    Estimate::rested(soc, 0.0, temperature_c)
 }
 
 fn ahead(estimate: &Estimate) -> [PowerAhead; HORIZONS] {
@@ -75,12 +68,18 @@ fn each_limit_binds_in_its_turn() {
 
 #[test]
 fn doubt_keeps_away_from_empty_and_full() {
-    for (soc, room, way) in [(0.053, 0.003, Way::Discharge), (0.979, 0.001, Way::Charge)] {
+    for (soc, room, direction) in
+        [(0.053, 0.003, Direction::Discharge), (0.979, 0.001, Direction::Charge)]
+    {
         let taken = |soc_sd| {
             let [_, ten, _] = ahead(&Estimate { soc_sd, ..at(soc, 25.0) });
-            if way == Way::Discharge { ten.discharge.current_a } else { ten.charge.current_a }
+            if direction == Direction::Discharge {
+                ten.discharge.current_a
+            } else {
+                ten.charge.current_a
+            }
         };
-        assert!(taken(0.3 * room) < 0.5 * taken(0.0) && taken(0.3 * room) > 0.0, "{way:?}");
+        assert!(taken(0.3 * room) < 0.5 * taken(0.0) && taken(0.3 * room) > 0.0, "{direction:?}");
         assert_eq!(taken(0.6 * room), 0.0);
     }
 }

@@ -1,4 +1,10 @@
-//! Capacity by recursive total least squares.
+//! Capacity by recursive total least squares: `ΔAh = Q·ΔSOC`, both sides uncertain
+//! \[Plett2011, section 6\].
+//!
+//! The scaling from the sums themselves, Newton's method in a bracket instead of the quartic's
+//! roots, and what is taken of outliers are ours.
+//!
+//! Tests: `tests` below; `tests/tests/bms_soh.rs`.
 
 use plant_core::error::{above, check, not_negative, positive};
 use plant_core::num::{clamp, max, min, sane, sqrt};
@@ -7,14 +13,17 @@ use plant_core::{Dt, ParamError, Real};
 use super::OUTLIER_SDS;
 use crate::Estimate;
 
-/// Capacities outside this share of the nominal one are not believed.
+/// Capacities outside this share of the nominal one are not believed. Chosen: a battery is worn out
+/// long before.
 const SMALLEST_RATIO: Real = 0.2;
-/// Capacities outside this share of the nominal one are not believed.
+/// Capacities outside this share of the nominal one are not believed. Chosen: more is a wrong
+/// nominal value.
 const LARGEST_RATIO: Real = 2.0;
-/// Newton steps and bisections; 24 bisections alone leave less than a millionth.
+/// Newton steps and bisections; 24 bisections alone leave less than a millionth. With 6 an end of
+/// the range is found as 1.9999 for 2.
 const ROUNDS: u32 = 24;
 
-/// What is known about the current sensor, and how a [`CapacityEstimator`] learns.
+/// Parameters of a [`CapacityEstimator`]: how good the current sensor is, and how it learns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,8 +53,7 @@ pub struct CapacityParams {
 /// known.
 ///
 /// `ΔAh = Q·ΔSOC`, both sides uncertain: approximate weighted total least squares with fading
-/// memory (Plett 2011, "Recursive approximate weighted total least squares estimation of battery
-/// cell total capacity", J. Power Sources 196, section 6). Six sums hold all pairs; capacity is
+/// memory \[Plett2011, section 6\]. Six sums hold all pairs; capacity is
 /// the minimum of `(c4·q⁴ − 2·c5·q³ + (c1 + c6)·q² − 2·c2·q + c3)/(q² + 1)²` and its variance
 /// 2 over the second derivative there. Its scaling is taken from the sums themselves
 /// (`k² = c1/c4`), with which it is exact where both sides' deviations keep their ratio. Instead
@@ -58,6 +66,41 @@ pub struct CapacityParams {
 /// The state of charge must not come from the charge counted: at rest from the open-circuit
 /// voltage, or from a filter that has seen enough voltage to forget what it counted, with a
 /// standard deviation that says so.
+///
+/// ```
+/// use plant_core::must;
+/// use voltstep_bms::estimate::soh::{CapacityEstimator, CapacityInput, CapacityParams};
+/// use voltstep_bms::{Dt, Estimate};
+///
+/// const ESTIMATOR: CapacityEstimator = must!(CapacityEstimator::new(
+///     CapacityParams {
+///         nominal_ah: 3.0,
+///         nominal_sd_ah: 0.3,
+///         current_noise_sd_a: 0.01,
+///         current_offset_sd_a: 0.002,
+///         current_gain_sd: 0.002,
+///         least_soc_change: 0.3,
+///         least_soc_change_sds: 10.0,
+///         memory_pairs: 50.0,
+///     },
+///     must!(Dt::from_s(1.0)),
+/// ));
+///
+/// let rested = |soc| Estimate::rested(soc, 0.01, 25.0);
+/// // 1.5 A·h take 60 % of the charge: the cell has 2.5 A·h left of its 3.
+/// let pair = CapacityInput {
+///     start: rested(0.9),
+///     end: rested(0.3),
+///     discharged_ah: 1.5,
+///     duration_s: 7200.0,
+/// };
+/// let mut state = ESTIMATOR.unknown();
+/// let mut out = ESTIMATOR.step(&mut state, pair);
+/// for _ in 1..10 {
+///     out = ESTIMATOR.step(&mut state, pair);
+/// }
+/// assert!((out.capacity_ah - 2.5).abs() < 0.02 && out.capacity_sd_ah < 0.03);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapacityEstimator {
     nominal_ah: Real,
@@ -83,7 +126,7 @@ pub struct CapacityState {
     variance: Real,
 }
 
-/// Two instants, and what flowed between them.
+/// Input of a [`CapacityEstimator`]: two instants, and what flowed between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapacityInput {
     /// What was believed at the first; of it, the state of charge and its standard deviation.
@@ -96,7 +139,7 @@ pub struct CapacityInput {
     pub duration_s: Real,
 }
 
-/// What a [`CapacityEstimator`] says.
+/// Output of a [`CapacityEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CapacityOutput {
@@ -194,11 +237,11 @@ impl CapacityEstimator {
                 * (self.noise_per_s + self.offset_per_s2 * input.duration_s)
                 + SMALLEST_VARIANCE;
             // The sign of both, so that a charge counts as a discharge does.
-            let way = if soc_change < 0.0 { -1.0 } else { 1.0 };
+            let direction = if soc_change < 0.0 { -1.0 } else { 1.0 };
             learned = self.learn(
                 state,
-                (way * soc_change, soc_variance + SMALLEST_VARIANCE),
-                (way * charge, charge_variance),
+                (direction * soc_change, soc_variance + SMALLEST_VARIANCE),
+                (direction * charge, charge_variance),
             );
         }
         let variance = state.variance + self.gain_variance * state.ratio * state.ratio;
@@ -231,7 +274,7 @@ impl CapacityEstimator {
 /// Keeps the weights finite where both sides are said to be exact.
 const SMALLEST_VARIANCE: Real = 1e-10;
 
-/// The sums over all pairs (Plett 2011, eq. 28): x², xy, y² over the variance of y, and the same
+/// The sums over all pairs \[Plett2011, eq. 28\]: x², xy, y² over the variance of y, and the same
 /// over the variance of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,4 +1,9 @@
-//! Resistance by recursive least squares.
+//! Resistance by recursive least squares with forgetting, for one parameter \[Ljung1999, eq.
+//! 11.12\]: `−ΔV = f·Δη + noise`; `S = P·x² + r`, `f += P·x/S·(y − f·x)`, `P = P·r/(S·λ)`.
+//!
+//! Which pairs of samples it learns from, and what is taken of outliers and misfit, are ours.
+//!
+//! Tests: `tests` below; `tests/tests/bms_soh.rs`.
 
 use plant_core::battery::{MappedBattery, Resistances};
 use plant_core::error::{check, positive};
@@ -8,15 +13,17 @@ use plant_core::{Accum, Dt, ParamError, Real};
 use super::OUTLIER_SDS;
 use crate::Estimate;
 
-/// Factors outside are not believed.
+/// Factors outside are not believed. Chosen: less is a wrong parameter set.
 const SMALLEST_FACTOR: Real = 0.2;
-/// Factors outside are not believed.
+/// Factors outside are not believed. Chosen: more is a bad contact, not age.
 const LARGEST_FACTOR: Real = 10.0;
 
-/// A single residual's square over what was expected counts up to this.
+/// A single residual's square over what was expected counts up to this. Chosen:
+/// 32 standard deviations; with 3 the factor seems known where the readings are worse than promised.
 const MOST_MISFIT: Real = 1000.0;
 
-/// What is known about the readings, and how a [`ResistanceEstimator`] learns from them.
+/// Parameters of a [`ResistanceEstimator`]: how good the readings are, and how it learns from
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -38,11 +45,11 @@ pub struct ResistanceParams {
 
 /// The factor by which a battery's resistances exceed those of its parameters.
 ///
-/// Between two samples the open-circuit voltage hardly moves and what moves slowly drops out:
+/// Between two samples the open-circuit voltage stays nearly the same and what moves slowly drops
+/// out:
 /// `−ΔV = f·Δη + noise`, η the overpotential `R0·I + v1 + v2` that the battery of the parameters
 /// would show under the same current, at the same state of charge and temperature; so neither of
-/// the two is in the factor. Recursive least squares with forgetting (Ljung 1999, *System
-/// Identification*, eq. 11.12) for one parameter:
+/// the two is in the factor. Recursive least squares with forgetting \[Ljung1999, eq. 11.12\]:
 /// `S = P·x² + r`, `f += P·x/S·(y − f·x)`, `P = P·r/(S·λ)`, only where the current changes enough,
 /// so that nothing is forgotten while nothing is learnt. `r` is the variance of the readings; an
 /// innovation beyond three standard deviations counts as if the readings were as uncertain as
@@ -51,6 +58,36 @@ pub struct ResistanceParams {
 /// What is wrong alike in every sample is not in it: the gain of a sensor, the map of the
 /// parameters. What sees mostly short steps sees mostly the series resistance: where the branches age
 /// differently, the factor is that of the former.
+///
+/// ```
+/// use plant_core::presets::PANASONIC_NCR18650PF as CELL;
+/// use voltstep_bms::estimate::soh::{ResistanceEstimator, ResistanceInput, ResistanceParams};
+/// use voltstep_bms::{Dt, Estimate};
+/// use plant_core::{battery::MappedBattery, must};
+///
+/// const DT: Dt = must!(Dt::from_s(1.0));
+/// const BATTERY: MappedBattery = must!(MappedBattery::new(CELL, DT));
+/// const PARAMS: ResistanceParams = ResistanceParams {
+///     voltage_sd_v: 0.001,
+///     current_sd_a: 0.01,
+///     least_step_a: 0.3,
+///     memory_steps: 500.0,
+///     initial_sd: 0.5,
+/// };
+/// const ESTIMATOR: ResistanceEstimator = must!(ResistanceEstimator::new(PARAMS, &BATTERY, DT));
+///
+/// // An aged cell: the voltage drops by half as much again, through the series resistance alone.
+/// let estimate = Estimate::rested(0.6, 0.01, 25.0);
+/// let series_ohm = 1.5 * BATTERY.resistances(0.6, 25.0).series_ohm;
+/// let mut state = ESTIMATOR.unknown();
+/// let mut out = None;
+/// for second in 0..200 {
+///     let current_a = if second % 20 == 0 { 3.0 } else { 0.0 };
+///     let voltage_v = CELL.open_circuit.at(0.6) - series_ohm * current_a;
+///     out = Some(ESTIMATOR.step(&mut state, ResistanceInput { voltage_v, current_a, estimate }));
+/// }
+/// assert!((1.2..1.6).contains(&out.unwrap().factor));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResistanceEstimator<'b> {
     battery: &'b MappedBattery,
@@ -89,7 +126,7 @@ struct Sample {
     overpotential_v: Real,
 }
 
-/// What a [`ResistanceEstimator`] looks at: readings of the same instant.
+/// Input of a [`ResistanceEstimator`]: readings of the same instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResistanceInput {
     /// Voltage at the terminals \[V\].
@@ -100,7 +137,7 @@ pub struct ResistanceInput {
     pub estimate: Estimate,
 }
 
-/// What a [`ResistanceEstimator`] says.
+/// Output of a [`ResistanceEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResistanceOutput {
@@ -197,7 +234,7 @@ impl<'b> ResistanceEstimator<'b> {
                 && (sample.current_a - last.current_a).abs() >= self.least_step_a
                 && self.battery.params().identified.holds(soc, celsius)
             {
-                // The open-circuit voltage's own way between the two.
+                // What the open-circuit voltage itself moves between the two.
                 let (_, slope_v) = self.battery.open_circuit().with_slope(soc);
                 let drift_v = slope_v * self.soc_per_a * sample.current_a;
                 let drop_v = last.voltage_v - sample.voltage_v - drift_v;

@@ -72,24 +72,14 @@ impl Case {
     ];
 
     /// A wrong start, and a wrong current.
-    ///
-    /// # Errors
-    /// An error of the start that is not in −1..1, a current that is not finite.
-    pub fn wrong(initial_soc_error: f64, current_bias_a: f64) -> anyhow::Result<Self> {
-        anyhow::ensure!(
-            (-1.0..=1.0).contains(&initial_soc_error),
-            "--initial-soc-error {initial_soc_error}: must lie in -1..1"
-        );
-        anyhow::ensure!(
-            current_bias_a.is_finite(),
-            "--current-bias-a {current_bias_a}: must be finite"
-        );
+    #[must_use]
+    pub fn wrong(initial_soc_error: f64, current_bias_a: f64) -> Self {
         let name = if initial_soc_error == 0.0 && current_bias_a == 0.0 {
             Self::RIGHT.name
         } else {
             "as said"
         };
-        Ok(Self { name, initial_soc_error, current_bias_a, ..Self::RIGHT })
+        Self { name, initial_soc_error, current_bias_a, ..Self::RIGHT }
     }
 
     /// The start that an estimator is told, and how well it is said to be known.
@@ -241,7 +231,7 @@ impl<'a> Noise<'a> {
         )
     }
 
-    /// A draw of the normal distribution (Box and Muller 1958).
+    /// A draw of the normal distribution (`BoxMuller1958`).
     fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.random.f64()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.random.f64()).cos()

@@ -5,20 +5,20 @@ mod figures;
 mod report;
 mod samples;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::ValueEnum;
 use rayon::prelude::*;
+use serde::Serialize;
 
 pub use case::Case;
 pub use figures::Figures;
-pub use report::{Report, Run};
+pub use report::{EstimatorReport, EstimatorRun};
 
-use crate::evaluate;
+use crate::evaluate::cells::DEFAULT_CELL;
 use crate::read::battery::{self, BatteryFile};
 use crate::read::cell::Kind;
-use samples::Measured;
+use crate::read::input::{self, Measurement};
 
 /// The built-in battery for trips.
 const DEFAULT_PACK: &str = "bmw-i3-60ah";
@@ -26,7 +26,9 @@ const DEFAULT_PACK: &str = "bmw-i3-60ah";
 pub const HONEST: f64 = 0.95;
 
 /// Which estimator runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "command", derive(clap::ValueEnum))]
+#[serde(rename_all = "lowercase")]
 pub enum Estimator {
     /// Counts the charge.
     Coulomb,
@@ -51,35 +53,25 @@ pub struct Options {
 ///
 /// # Errors
 /// A file that cannot be read, a battery that is none, a rate that is out of range.
-pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<Report> {
-    anyhow::ensure!(
-        (0.01..=1000.0).contains(&options.rate_hz),
-        "--rate-hz {}: must lie in 0.01..1000",
-        options.rate_hz
-    );
+pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<EstimatorReport> {
     let named = options.cell.as_deref().map(battery::load).transpose()?;
-    let builtin = [evaluate::cells::DEFAULT_CELL, DEFAULT_PACK].map(battery::load);
+    let builtin = [DEFAULT_CELL, DEFAULT_PACK].map(battery::load);
     let [cell, pack] = builtin;
     let (cell, pack) = (cell?, pack?);
     let mut skipped = Vec::new();
-    let mut found = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            for file in evaluate::csv_files(path)? {
-                found.push((file, true));
-            }
-        } else {
-            found.push((path.clone(), false));
-        }
-    }
-    let read: anyhow::Result<Vec<(Measured, bool)>> =
-        found.par_iter().map(|(path, of_folder)| Ok((samples::read(path)?, *of_folder))).collect();
+    let read: anyhow::Result<Vec<(Measurement, bool)>> = input::files(paths)?
+        .par_iter()
+        .map(|(path, of_folder)| Ok((input::measurement(path)?, *of_folder)))
+        .collect();
     let mut jobs = Vec::new();
     for (measured, of_folder) in read? {
-        let battery =
-            named.as_ref().unwrap_or(if measured.is_trip() { &pack } else { &cell }).clone();
+        let usual = match &measured {
+            Measurement::Trip(_) => &pack,
+            Measurement::Cell(_) => &cell,
+        };
+        let battery = named.as_ref().unwrap_or(usual).clone();
         let why = match &measured {
-            Measured::Cell(record) if of_folder => {
+            Measurement::Cell(record) if of_folder => {
                 match record.kind(f64::from(battery.battery.capacity_ah)) {
                     (Kind::Cycle, _) => None,
                     (_, why) => Some(format!("{}: {why}", record.name)),
@@ -93,9 +85,9 @@ pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<Report> {
         }
     }
     anyhow::ensure!(!jobs.is_empty(), "no drive cycle and no trip in what was named");
-    let runs: anyhow::Result<Vec<Vec<Run>>> =
+    let runs: anyhow::Result<Vec<Vec<EstimatorRun>>> =
         jobs.par_iter().map(|(battery, measured)| one(battery, measured, options)).collect();
-    Ok(Report {
+    Ok(EstimatorReport {
         estimator: options.estimator,
         rate_hz: options.rate_hz,
         runs: runs?.into_iter().flatten().collect(),
@@ -104,9 +96,14 @@ pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<Report> {
 }
 
 /// Every case over one measurement.
-fn one(battery: &BatteryFile, measured: &Measured, options: &Options) -> anyhow::Result<Vec<Run>> {
+fn one(
+    battery: &BatteryFile,
+    measured: &Measurement,
+    options: &Options,
+) -> anyhow::Result<Vec<EstimatorRun>> {
     let capacity_ah = f64::from(battery.battery.capacity_ah);
-    let samples = measured.sampled(1.0 / options.rate_hz, battery.current_delay_s, capacity_ah)?;
+    let samples =
+        samples::sampled(measured, 1.0 / options.rate_hz, battery.current_delay_s, capacity_ah)?;
     options
         .cases
         .par_iter()
@@ -119,7 +116,7 @@ fn one(battery: &BatteryFile, measured: &Measured, options: &Options) -> anyhow:
                 .with_context(|| format!("{}: no state of charge to compare with", samples.name))?;
             let soc = samples.soc.iter().copied().filter(|s| s.is_finite());
             let (low, high) = soc.fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(s), h.max(s)));
-            Ok(Run {
+            Ok(EstimatorRun {
                 name: samples.name.clone(),
                 battery: battery.name.clone(),
                 case: *case,
@@ -129,13 +126,4 @@ fn one(battery: &BatteryFile, measured: &Measured, options: &Options) -> anyhow:
             })
         })
         .collect()
-}
-
-/// Whether a path could be a measurement.
-///
-/// # Errors
-/// A path that is not there.
-pub fn check_path(path: &str) -> Result<PathBuf, String> {
-    let path = Path::new(path);
-    if path.exists() { Ok(path.to_owned()) } else { Err("no such file or folder".to_owned()) }
 }

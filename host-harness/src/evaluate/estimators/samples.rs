@@ -1,13 +1,10 @@
 //! A measurement as a battery management system samples it: at an even rate, current as the mean
 //! over the interval, and a state of charge to compare with.
 
-use std::path::Path;
-
 use anyhow::Context;
 
-use crate::read::cell::{self, CellRecord, GAP_S};
-use crate::read::error::{self, InputError};
-use crate::read::trip::{self, Trip};
+use crate::read::cell::GAP_S;
+use crate::read::input::Measurement;
 
 /// What was measured, evenly sampled; not a number within gaps of the logger.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,89 +25,63 @@ pub struct Samples {
     pub notes: Vec<String>,
 }
 
-/// A file of either kind.
-pub enum Measured {
-    /// A test of one cell.
-    Cell(CellRecord),
-    /// A trip of a car.
-    Trip(Trip),
-}
-
-/// Reads a cell test or a trip, whichever the file is.
+/// Samples a measurement every `dt_s`, the current shifted by `delay_s`; `capacity_ah` turns the charge
+/// counter of a cell test into a state of charge.
 ///
 /// # Errors
-/// [`InputError`] says what is wrong and where.
-pub fn read(path: &Path) -> Result<Measured, InputError> {
-    let bytes = error::read(path)?;
-    let file = path.to_string_lossy();
-    let first = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
-    if cell::is_header(&String::from_utf8_lossy(first)) {
-        cell::parse(&file, &bytes).map(Measured::Cell)
-    } else {
-        trip::parse(&file, &bytes).map(Measured::Trip)
-    }
-}
-
-impl Measured {
-    /// Samples it every `dt_s`, the current shifted by `delay_s`; `capacity_ah` turns the charge
-    /// counter of a cell test into a state of charge.
-    ///
-    /// # Errors
-    /// A record that is shorter than two samples.
-    pub fn sampled(&self, dt_s: f64, delay_s: f64, capacity_ah: f64) -> anyhow::Result<Samples> {
-        let (name, time_s, current_a, voltage_v, temperature_c, soc, notes) = match self {
-            Self::Cell(r) => {
-                let soc: Vec<f64> = (0..r.len()).map(|i| r.soc(i, capacity_ah)).collect();
-                (&r.name, &r.time_s, &r.current_a, &r.voltage_v, &r.cell_c, soc, Vec::new())
-            }
-            Self::Trip(t) => {
-                let notes = t.unfit(capacity_ah);
-                let soc = t.soc.clone();
-                (&t.name, &t.time_s, &t.battery_a, &t.battery_v, &t.battery_c, soc, notes)
-            }
-        };
-        let start_s = *time_s.first().context("an empty record")?;
-        let end_s = *time_s.last().context("an empty record")?;
-        let charge_c = charge(time_s, current_a);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
-        let count = ((end_s - start_s) / dt_s).floor() as usize;
-        anyhow::ensure!(count >= 2, "{name}: shorter than two samples of {dt_s} s");
-        let mut samples = Samples {
-            name: name.clone(),
-            dt_s,
-            current_a: Vec::with_capacity(count),
-            voltage_v: Vec::with_capacity(count),
-            temperature_c: Vec::with_capacity(count),
-            soc: Vec::with_capacity(count),
-            notes,
-        };
-        let mut reader = Reader { time_s, at: 0 };
-        let mut delayed = Reader { time_s, at: 0 };
-        // Before the first sample its current flowed.
-        let first_a = current_a.first().copied().unwrap_or_default();
-        let mut flowed_c =
-            |at_s: f64| delayed.read(&charge_c, at_s) + first_a * (at_s - start_s).min(0.0);
-        let mut before_c = flowed_c(start_s - delay_s);
-        for k in 1..=count {
-            #[expect(clippy::cast_precision_loss, reason = "a count")]
-            let now_s = start_s + k as f64 * dt_s;
-            let now_c = flowed_c(now_s - delay_s);
-            let logged = reader.logged(now_s);
-            let or_gap = |value: f64| if logged { value } else { f64::NAN };
-            samples.current_a.push(or_gap((now_c - before_c) / dt_s));
-            samples.voltage_v.push(or_gap(reader.read(voltage_v, now_s)));
-            samples.temperature_c.push(reader.read(temperature_c, now_s));
-            samples.soc.push(or_gap(reader.read(&soc, now_s)));
-            before_c = now_c;
+/// A record that is shorter than two samples.
+pub fn sampled(
+    measured: &Measurement,
+    dt_s: f64,
+    delay_s: f64,
+    capacity_ah: f64,
+) -> anyhow::Result<Samples> {
+    let (name, time_s, current_a, voltage_v, temperature_c, soc, notes) = match measured {
+        Measurement::Cell(r) => {
+            let soc: Vec<f64> = (0..r.time_s.len()).map(|i| r.soc(i, capacity_ah)).collect();
+            (&r.name, &r.time_s, &r.current_a, &r.voltage_v, &r.cell_c, soc, Vec::new())
         }
-        Ok(samples)
+        Measurement::Trip(t) => {
+            let notes = t.unfit(capacity_ah);
+            let soc = t.soc.clone();
+            (&t.name, &t.time_s, &t.battery_a, &t.battery_v, &t.battery_c, soc, notes)
+        }
+    };
+    let start_s = *time_s.first().context("an empty record")?;
+    let end_s = *time_s.last().context("an empty record")?;
+    let charge_c = charge(time_s, current_a);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+    let count = ((end_s - start_s) / dt_s).floor() as usize;
+    anyhow::ensure!(count >= 2, "{name}: shorter than two samples of {dt_s} s");
+    let mut samples = Samples {
+        name: name.clone(),
+        dt_s,
+        current_a: Vec::with_capacity(count),
+        voltage_v: Vec::with_capacity(count),
+        temperature_c: Vec::with_capacity(count),
+        soc: Vec::with_capacity(count),
+        notes,
+    };
+    let mut reader = Reader { time_s, at: 0 };
+    let mut delayed = Reader { time_s, at: 0 };
+    // Before the first sample its current flowed.
+    let first_a = current_a.first().copied().unwrap_or_default();
+    let mut flowed_c =
+        |at_s: f64| delayed.read(&charge_c, at_s) + first_a * (at_s - start_s).min(0.0);
+    let mut before_c = flowed_c(start_s - delay_s);
+    for k in 1..=count {
+        #[expect(clippy::cast_precision_loss, reason = "a count")]
+        let now_s = start_s + k as f64 * dt_s;
+        let now_c = flowed_c(now_s - delay_s);
+        let logged = reader.logged(now_s);
+        let or_gap = |value: f64| if logged { value } else { f64::NAN };
+        samples.current_a.push(or_gap((now_c - before_c) / dt_s));
+        samples.voltage_v.push(or_gap(reader.read(voltage_v, now_s)));
+        samples.temperature_c.push(reader.read(temperature_c, now_s));
+        samples.soc.push(or_gap(reader.read(&soc, now_s)));
+        before_c = now_c;
     }
-
-    /// Whether it is a trip, of a whole pack.
-    #[must_use]
-    pub const fn is_trip(&self) -> bool {
-        matches!(self, Self::Trip(_))
-    }
+    Ok(samples)
 }
 
 /// The integral of the current from the first sample to each \[C\], by the trapezoidal rule.
@@ -165,9 +136,10 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::cell::CellRecord;
 
-    fn record() -> Measured {
-        Measured::Cell(CellRecord {
+    fn record() -> Measurement {
+        Measurement::Cell(CellRecord {
             name: "x".to_owned(),
             time_s: vec![0.0, 0.5, 1.0, 2.0, 12.0, 13.0],
             current_a: vec![1.0, 1.0, 3.0, 3.0, 3.0, 1.0],
@@ -180,7 +152,7 @@ mod tests {
 
     #[test]
     fn keeps_the_charge_and_marks_gaps() {
-        let s = record().sampled(1.0, 0.0, 2.0).unwrap();
+        let s = sampled(&record(), 1.0, 0.0, 2.0).unwrap();
         assert_eq!(s.current_a.len(), 13);
         assert!((s.current_a[0] - 1.5).abs() < 1e-12, "{:?}", s.current_a);
         assert!((s.current_a[1] - 3.0).abs() < 1e-12);
@@ -193,9 +165,9 @@ mod tests {
 
     #[test]
     fn delays_the_current() {
-        let s = record().sampled(1.0, 1.0, 2.0).unwrap();
+        let s = sampled(&record(), 1.0, 1.0, 2.0).unwrap();
         assert!((s.current_a[0] - 1.0).abs() < 1e-12, "the first current flowed before, too");
         assert!((s.current_a[1] - 1.5).abs() < 1e-12);
-        assert!(record().sampled(20.0, 0.0, 2.0).is_err());
+        assert!(sampled(&record(), 20.0, 0.0, 2.0).is_err());
     }
 }

@@ -9,7 +9,7 @@ mod read;
 #[cfg(test)]
 mod tests;
 
-pub use read::{parse, read};
+pub use read::parse;
 
 /// What a car recorded, a row per sample, in SI units.
 ///
@@ -29,7 +29,7 @@ pub struct Trip {
     pub motor_torque_nm: Vec<f64>,
     /// Voltage of the battery \[V\].
     pub battery_v: Vec<f64>,
-    /// Current of the battery \[A\], positive when discharging: the file has it the other way round.
+    /// Current of the battery \[A\], positive when discharging: the file has it with the other sign.
     pub battery_a: Vec<f64>,
     /// Temperature of the battery \[°C\].
     pub battery_c: Vec<f64>,

@@ -1,7 +1,6 @@
 //! From bytes to a [`Trip`].
 
 use std::borrow::Cow;
-use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Terminator};
 
@@ -59,24 +58,15 @@ const fn column(
 /// A header with more columns than this is not repeated in a message.
 const LISTED: usize = 12;
 
-/// Reads a trip file.
-///
-/// # Errors
-/// As [`parse`]; a file that cannot be read.
-pub fn read(path: impl AsRef<Path>) -> Result<Trip, InputError> {
-    let path = path.as_ref();
-    parse(&path.to_string_lossy(), &error::read(path)?)
-}
-
-/// Reads a trip from the bytes of a file called `name`.
+/// Reads a trip from the bytes of a file called `file`.
 ///
 /// # Errors
 /// [`InputError`] with the line, and for a field the column: characters from 1 to where the field
 /// starts. Refused are an empty file, a missing column, fewer than two rows, a row with another
 /// number of fields than the header, text or NaN or infinity for a number, an empty field where
 /// every sample is needed, absurd values, and time that does not rise.
-pub fn parse(name: &str, bytes: &[u8]) -> Result<Trip, InputError> {
-    Source { file: name, bytes: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes) }.trip()
+pub fn parse(file: &str, bytes: &[u8]) -> Result<Trip, InputError> {
+    Source { file, bytes: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes) }.trip()
 }
 
 /// The bytes, and what is needed to say where in them something is wrong.
@@ -117,7 +107,7 @@ impl Source<'_> {
             if record.len() != fields {
                 let message =
                     format!("{} fields; expected {fields}, as in the header", record.len());
-                return Err(InputError { column: None, ..self.error_at(&record, 0, &message) });
+                return Err(self.error_at(&record, fields.min(record.len()), &message));
             }
             for ((column, place), values) in COLUMNS.iter().zip(places).zip(&mut values) {
                 if let Some(place) = place {
@@ -140,39 +130,24 @@ impl Source<'_> {
                 values.resize(rows, absent);
             }
         }
-        Ok(self.assembled(values, notes))
-    }
-
-    fn assembled(&self, values: [Vec<f64>; COLUMNS.len()], notes: Vec<String>) -> Trip {
-        let [
-            time_s,
-            speed_m_s,
-            elevation_m,
-            motor_torque_nm,
-            battery_v,
-            battery_a,
-            battery_c,
-            soc,
-            heating_w,
-            aircon_w,
-            ambient_c,
-        ] = values;
-        let name = Path::new(self.file).file_stem().unwrap_or_default().to_string_lossy();
-        Trip {
-            name: name.into_owned(),
-            time_s,
-            speed_m_s,
-            elevation_m,
-            motor_torque_nm,
-            battery_v,
-            battery_a,
-            battery_c,
-            soc,
-            heating_w,
-            aircon_w,
-            ambient_c,
+        let mut values = values.into_iter();
+        let mut next = || values.next().unwrap_or_default();
+        // In the order of the columns.
+        Ok(Trip {
+            name: error::stem(self.file),
+            time_s: next(),
+            speed_m_s: next(),
+            elevation_m: next(),
+            motor_torque_nm: next(),
+            battery_v: next(),
+            battery_a: next(),
+            battery_c: next(),
+            soc: next(),
+            heating_w: next(),
+            aircon_w: next(),
+            ambient_c: next(),
             notes,
-        }
+        })
     }
 
     /// Where each column is; what is not there, in words.
@@ -196,7 +171,7 @@ impl Source<'_> {
                 _ => {
                     let found = instead_of(name, &found);
                     let message = format!("no column `{name} [{unit}]`; {found}");
-                    return Err(InputError { column: None, ..self.error_at(header, 0, &message) });
+                    return Err(self.error_at(header, 0, &message));
                 }
             }
         }
@@ -237,7 +212,7 @@ impl Source<'_> {
         InputError::of_file(self.file, message)
     }
 
-    /// An error at the start of a field. Counts from the bytes: blank lines move the reader's own
+    /// An error at the start of a field, or at the end of a record without it. Counts from the bytes: blank lines move the reader's own
     /// count.
     #[cold]
     fn error_at(&self, record: &ByteRecord, place: usize, message: &str) -> InputError {
@@ -245,7 +220,8 @@ impl Source<'_> {
         let mut start = usize::try_from(start).unwrap_or(0).min(self.bytes.len());
         start += self.bytes[start..].iter().take_while(|b| **b == b'\n').count();
         let line = self.bytes[..start].split(|b| *b == b'\n').count();
-        let into = record.range(place).map_or(0, |r| r.start + place);
+        let all = record.as_slice().trim_ascii_end().len() + record.len().saturating_sub(1);
+        let into = record.range(place).map_or(all, |r| r.start + place);
         let before = self.bytes.get(start..start + into).unwrap_or_default();
         InputError {
             line: u64::try_from(line).ok(),

@@ -2,10 +2,12 @@
 
 #![expect(clippy::cast_precision_loss, reason = "counts are small")]
 
+use std::path::Path;
 use std::time::Instant;
 
 use super::*;
 use crate::read::error::InputError;
+use crate::read::input;
 
 const HEADER: &str = "Time [s];Velocity [km/h];Elevation [m];Motor Torque [Nm];Battery Voltage [V];\
                       Battery Current [A];Battery Temperature [°C];SoC [%];Heating Power CAN [kW];\
@@ -113,8 +115,8 @@ fn names_line_and_column_of_each_error() {
         ("1;0;5;0;9;2;20;-0.1;0;0;20", "t.csv:3:16: SoC of -0.1 %; expected 0 to 100 %"),
         ("0;0;5;0;9;2;20;80;0;0;20", "t.csv:3:1: time does not rise: 0 s after 0 s"),
         ("-2;0;5;0;9;2;20;80;0;0;20", "t.csv:3:1: time does not rise: -2 s after 0 s"),
-        ("1;0;5", "t.csv:3: 3 fields; expected 11, as in the header"),
-        ("1;0;5;0;9;2;20;80;0;0;20;7", "t.csv:3: 12 fields; expected 11, as in the header"),
+        ("1;0;5", "t.csv:3:6: 3 fields; expected 11, as in the header"),
+        ("1;0;5;0;9;2;20;80;0;0;20;7", "t.csv:3:26: 12 fields; expected 11, as in the header"),
         ("\n\r\n1;0;\u{b0};0;9;2;20;80;0;0;20", "t.csv:5:5: `°` for Elevation; expected a number"),
         (
             "\u{7f}\"\0;0;5;0;9;2;20;80;0;0;20",
@@ -145,26 +147,26 @@ fn refuses_a_file_that_is_no_trip() {
     assert_eq!(refused(one.as_bytes()), "t.csv: 1 samples; expected two at least");
     assert_eq!(
         refused(b"\ntime_s,speed_m_s\n0,0\n"),
-        "t.csv:2: no column `Time [s]`; found only `time_s,speed_m_s`; columns are separated by `;`"
+        "t.csv:2:1: no column `Time [s]`; found only `time_s,speed_m_s`; columns are separated by `;`"
     );
     assert_eq!(
         refused("Time [s];Velocity [km/h];max. SoC [%)\n".as_bytes()),
-        "t.csv:1: no column `Elevation [m]`; found `Time`, `Velocity`, `max. SoC`"
+        "t.csv:1:1: no column `Elevation [m]`; found `Time`, `Velocity`, `max. SoC`"
     );
     let near = HEADER.replace("Battery Current", "Batery Current").replace("\r\n", ";a;b\r\n");
     assert_eq!(
         refused(near.as_bytes()),
-        "t.csv:1: no column `Battery Current [A]`; found `Batery Current`"
+        "t.csv:1:1: no column `Battery Current [A]`; found `Batery Current`"
     );
     let no_soc = HEADER.replace("SoC", "displayed SoC").replace("\r\n", ";a;b\r\n");
     assert_eq!(
         refused(no_soc.as_bytes()),
-        "t.csv:1: no column `SoC [%]`; found none like it among 13 columns"
+        "t.csv:1:1: no column `SoC [%]`; found none like it among 13 columns"
     );
-    let missing = read("no/such.csv").unwrap_err().to_string();
+    let missing = input::trip(Path::new("no/such.csv")).unwrap_err().to_string();
     assert!(missing.starts_with("no/such.csv: cannot read: "), "{missing}");
     let folder = std::env::temp_dir();
-    assert!(read(folder).unwrap_err().message.starts_with("cannot read: "));
+    assert!(input::trip(&folder).unwrap_err().message.starts_with("cannot read: "));
 }
 
 /// Any change of a few bytes gives a trip or an error.
@@ -273,13 +275,13 @@ fn every_real_trip_is_read() {
         println!("SKIPPED: the real trips are not part of the project; set VOLTSTEP_DATA");
         return;
     };
-    let folder = std::path::Path::new(&folder).join("bmw-i3-trips");
+    let folder = Path::new(&folder).join("bmw-i3-trips");
     let entries = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path());
     let mut paths: Vec<_> = entries.filter(|p| p.extension().is_some_and(|e| e == "csv")).collect();
     paths.sort();
     assert_eq!(paths.len(), 28);
     let start = Instant::now();
-    let trips: Vec<_> = paths.iter().map(|p| read(p).unwrap()).collect();
+    let trips: Vec<_> = paths.iter().map(|p| input::trip(p).unwrap()).collect();
     println!("28 files in {:.3} s", start.elapsed().as_secs_f64());
     assert_eq!(trips.iter().map(Trip::len).sum::<usize>(), 361_865);
     for t in &trips {

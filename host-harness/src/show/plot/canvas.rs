@@ -18,7 +18,7 @@ pub(super) const ZERO: RGBColor = RGBColor(0xB4, 0xB4, 0xB4);
 /// pixel give lines of 1.25 px and keep slow traces free of visible steps.
 pub(super) const UNITS_PER_PX: f64 = 4.0;
 
-/// `plotters` divides the size of a font by this on its way into the SVG.
+/// `plotters` divides the size of a font by this when it writes the SVG.
 const FONT_SIZE_FACTOR: f64 = 1.24;
 const FONT: &str = "Helvetica, Arial, 'Liberation Sans', sans-serif";
 

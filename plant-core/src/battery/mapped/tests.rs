@@ -52,7 +52,7 @@ fn a_map_of_constants_is_the_constant_battery() {
     let (plain, map) = (Battery::new(PLAIN, dt(0.1)).unwrap(), mapped(SAME, 0.1));
     let (mut p, mut m) = (BatteryState::rested(0.9).unwrap(), map.rested(0.9).unwrap());
     for i in 0..30_000_u32 {
-        // Includes what the limits refuse, both ways.
+        // Includes what the limits refuse, in both directions.
         let current_a = [2.0, -1.0, 12.0, 0.0, -4.0, 3.0][(i / 500) as usize % 6];
         let a = plain.step(&mut p, BatteryInput { current_a });
         let b = map.step(&mut m, load(current_a));
@@ -211,7 +211,7 @@ fn hysteresis_stays_between_its_curves_and_moves_with_charge() {
         map.step(&mut s, load(0.0));
     }
     assert!((emf(&s) + 0.05).abs() < 1e-4, "{}", emf(&s));
-    // 1 % of charge back: exp(−1) of the way is left.
+    // 1 % of charge back: exp(−1) of the gap is left.
     for _ in 0..36 {
         map.step(&mut s, load(-3.0));
     }

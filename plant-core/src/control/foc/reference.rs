@@ -2,7 +2,7 @@
 //!
 //! For constant inductances (for a map: those of the present currents), each point in closed form
 //! but for a quartic, which a fixed number of Newton steps solves: they approach the root from one
-//! side. Morimoto, Takeda, Hirasa, Taniguchi (1990) describe the regions.
+//! side. \[Morimoto1990\] has the regions.
 
 use crate::machine::flux::LinearFlux;
 use crate::machine::transform::Dq;

@@ -262,7 +262,7 @@ fn every_step_follows_the_rules() {
                     rules.last = Some(if of_error { error } else { -f64::from(measurement) });
                 }
                 let applied = s.output() + if n % 3 == 0 { 0.4 * number() } else { 0.0 };
-                let way = number().signum() * Real::from(n % 5 == 0);
+                let direction = number().signum() * Real::from(n % 5 == 0);
                 let before = s.output();
                 let out = match n / 100 % 4 {
                     0 => pid.step(&mut s, PidInput { reference, measurement }),
@@ -272,8 +272,8 @@ fn every_step_follows_the_rules() {
                         pid.step(&mut s, PidInput { reference, measurement })
                     }
                     2 => {
-                        Pid::saturate(&mut s, way);
-                        rules.excess = f64::from(way);
+                        Pid::saturate(&mut s, direction);
+                        rules.excess = f64::from(direction);
                         pid.step(&mut s, PidInput { reference, measurement })
                     }
                     _ => {

@@ -1,4 +1,9 @@
-//! The angle of a shaft.
+//! The angle of a shaft, `dθ/dt = ω`.
+//!
+//! The relation is that of \[EPowertrain2025, `RotAxis`\], without its inertia (a load on the shaft
+//! has one); the angle in turns is ours.
+//!
+//! Tests: below; property `finite`; case "load on a shaft".
 
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, PI, Real, sane, wrap_turns};
@@ -6,7 +11,23 @@ use crate::num::{Accum, PI, Real, sane, wrap_turns};
 /// A rigid shaft: passes speed and torque on and keeps the angle, `dθ/dt = ω`.
 ///
 /// The angle is counted in turns and wrapped without losing what the sum keeps back, so a shaft
-/// that turns for hours stays as exact as its speed and step are in `Real` (1e-7 of the way).
+/// that turns for hours stays as exact as its speed and step are in `Real` (1e-7 of the turns
+/// made).
+///
+/// ```
+/// use plant_core::mechanics::rotational::{Axis, AxisInput, AxisState};
+/// use plant_core::{Dt, must};
+///
+/// const SHAFT: Axis = Axis::new(must!(Dt::from_s(0.001)));
+///
+/// let mut state = AxisState::default();
+/// let mut out = SHAFT.step(&mut state, AxisInput { speed_rad_s: 7.0, torque_nm: 3.0 });
+/// for _ in 1..1000 {
+///     out = SHAFT.step(&mut state, AxisInput { speed_rad_s: 7.0, torque_nm: 3.0 });
+/// }
+/// assert!((out.angle_rad - (7.0 - 6.283_185)).abs() < 1e-5); // one turn and a bit after 1 s
+/// assert_eq!(out.power_w, 21.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     turns_per_rad_s: Real,
@@ -20,7 +41,7 @@ pub struct AxisState {
     pub turns: Accum,
 }
 
-/// What drives an [`Axis`].
+/// Input of an [`Axis`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisInput {
     /// Speed over the step \[rad/s\].
@@ -29,7 +50,7 @@ pub struct AxisInput {
     pub torque_nm: Real,
 }
 
-/// What one step of an [`Axis`] says.
+/// Output of one step of an [`Axis`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisOutput {

@@ -1,4 +1,9 @@
 //! Sources that change once: a step, a ramp.
+//!
+//! `y = before` until `at_s`, then `after`; `y = start + slope·(t − from)` between two times. What
+//! they do is \[EPowertrain2025, `Sources`\]; how they keep time is ours.
+//!
+//! Tests: below; properties `finite_plant`, `refusal`; case "step, ramp, table, delay, saturation".
 
 use crate::error::{ParamError, above, check, finite, not_negative};
 use crate::model::{Dt, impl_model};
@@ -21,7 +26,7 @@ impl ElapsedState {
     }
 }
 
-/// What is known about a step.
+/// Parameters of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -42,6 +47,19 @@ pub struct StepParams {
 /// number of steps in binary; an exact comparison would come late by one step now and then).
 ///
 /// `step` says the value at the current instant, then moves on by one step.
+///
+/// ```
+/// use plant_core::signal::sources::{ElapsedState, Step, StepParams};
+/// use plant_core::{Dt, must};
+///
+/// const VOLTAGE: Step = must!(Step::new(
+///     StepParams { before: 60.0, after: 248.0, at_s: 0.3 },
+///     must!(Dt::from_s(0.1)),
+/// ));
+///
+/// let mut state = ElapsedState::default();
+/// assert_eq!([(); 5].map(|()| VOLTAGE.step(&mut state, ())), [60.0, 60.0, 60.0, 248.0, 248.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     params: StepParams,
@@ -74,7 +92,7 @@ impl Step {
 
 impl_model!(Step, ElapsedState, (), Real);
 
-/// What is known about a ramp.
+/// Parameters of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -96,6 +114,19 @@ pub struct RampParams {
 /// A value that changes evenly between two times and holds before and after.
 ///
 /// `step` says the value at the current instant, then moves on by one step.
+///
+/// ```
+/// use plant_core::signal::sources::{ElapsedState, Ramp, RampParams};
+/// use plant_core::{Dt, must};
+///
+/// const SPEED: Ramp = must!(Ramp::new(
+///     RampParams { start: 2.0, slope_per_s: 0.5, from_s: 1.0, to_s: 3.0 },
+///     must!(Dt::from_s(1.0)),
+/// ));
+///
+/// let mut state = ElapsedState::default();
+/// assert_eq!([(); 5].map(|()| SPEED.step(&mut state, ())), [2.0, 2.0, 2.5, 3.0, 3.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     params: RampParams,

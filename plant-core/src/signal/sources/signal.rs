@@ -1,10 +1,13 @@
-//! Between a source and a model: a delay, a saturation.
+//! Between a source and a model: a delay `y[n] = x[n−1]`, a saturation `y = min(max(x, low), high)`
+//! \[EPowertrain2025, `SignalRouting`; its lower default limit, −1e-6, is an error of the print\].
+//!
+//! Tests: below; properties `finite_plant`, `refusal`; case "step, ramp, table, delay, saturation".
 
 use crate::error::{ParamError, above, check, finite};
 use crate::model::impl_model;
 use crate::num::{Real, clamp, sane};
 
-/// What is known about a delay by one step.
+/// Parameters of a delay by one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -18,6 +21,16 @@ pub struct UnitDelayParams {
 }
 
 /// A delay by one step: `y[n] = x[n−1]`.
+///
+/// ```
+/// use plant_core::must;
+/// use plant_core::signal::sources::{UnitDelay, UnitDelayParams, UnitDelayState};
+///
+/// const DELAY: UnitDelay = must!(UnitDelay::new(UnitDelayParams { initial: 0.0 }));
+///
+/// let mut state = UnitDelayState::default();
+/// assert_eq!([1.0, 2.0, 3.0].map(|x| DELAY.step(&mut state, x).value), [0.0, 1.0, 2.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitDelay {
     params: UnitDelayParams,
@@ -31,7 +44,7 @@ pub struct UnitDelayState {
     pub last: Option<Real>,
 }
 
-/// What one step of a [`UnitDelay`] says.
+/// Output of one step of a [`UnitDelay`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct UnitDelayOutput {
@@ -68,7 +81,7 @@ impl UnitDelay {
 
 impl_model!(UnitDelay, UnitDelayState, Real, UnitDelayOutput);
 
-/// What is known about a saturation.
+/// Parameters of a saturation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -84,12 +97,22 @@ pub struct SaturationParams {
 }
 
 /// A value held between two limits. It has no state of its own and no time in it.
+///
+/// ```
+/// use plant_core::must;
+/// use plant_core::signal::sources::{Saturation, SaturationParams};
+///
+/// const DUTY: Saturation = must!(Saturation::new(SaturationParams { low: -1.0, high: 1.0 }));
+///
+/// let out = DUTY.step(&mut (), 1.7);
+/// assert!(out.value == 1.0 && out.saturated);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saturation {
     params: SaturationParams,
 }
 
-/// What a [`Saturation`] says.
+/// Output of a [`Saturation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SaturationOutput {

@@ -1,4 +1,9 @@
-//! Sources that repeat: a sine, a square wave (PWM).
+//! Sources that repeat: a sine `y = offset + amplitude·sin(2π·(f·t + phase))`, a square wave (PWM).
+//!
+//! What they do is \[EPowertrain2025, `Sources`\]; the phase in turns, which does not drift, is
+//! ours.
+//!
+//! Tests: below; properties `finite_plant`, `refusal`; case "sine and square".
 
 use crate::error::{ParamError, check, finite, positive, ratio};
 use crate::mechanics::rotational::turn;
@@ -13,7 +18,7 @@ pub struct PhaseState {
     pub turns: Accum,
 }
 
-/// What is known about a sine.
+/// Parameters of a sine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -36,6 +41,21 @@ pub struct SineParams {
 ///
 /// `step` says the value at the current instant, then moves on by one step. The phase is off by
 /// at most 1e-7 of the turns made, as `f·h` is rounded once.
+///
+/// ```
+/// use plant_core::signal::sources::{PhaseState, Sine, SineParams};
+/// use plant_core::{Dt, must};
+///
+/// const MAINS: Sine = must!(Sine::new(
+///     SineParams { amplitude: 325.0, offset: 0.0, frequency_hz: 50.0, phase_turns: 0.0 },
+///     must!(Dt::from_s(0.005)),
+/// ));
+///
+/// let mut state = PhaseState::default();
+/// for crest in [0.0, 325.0, 0.0, -325.0] {
+///     assert!((MAINS.step(&mut state, ()) - crest).abs() < 1e-3); // a quarter of a turn each
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sine {
     amplitude: Real,
@@ -69,7 +89,7 @@ impl Sine {
 
 impl_model!(Sine, PhaseState, (), Real);
 
-/// What is known about a square wave.
+/// Parameters of a square wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -95,6 +115,19 @@ pub struct SquareParams {
 /// `step` says the value at the current instant, then moves on by one step. An edge shows at the
 /// instant nearest to it, so that rounding does not shift edges that fall on an instant. The
 /// share that comes out is a whole number of steps: resolve the period well enough.
+///
+/// ```
+/// use plant_core::signal::sources::{PhaseState, Square, SquareParams};
+/// use plant_core::{Dt, must};
+///
+/// const PWM: Square = must!(Square::new(
+///     SquareParams { low: 0.0, high: 12.0, period_s: 0.004, on_ratio: 0.25, phase_turns: 0.0 },
+///     must!(Dt::from_s(0.001)),
+/// ));
+///
+/// let mut state = PhaseState::default();
+/// assert_eq!([(); 5].map(|()| PWM.step(&mut state, ())), [12.0, 0.0, 0.0, 0.0, 12.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Square {
     low: Real,

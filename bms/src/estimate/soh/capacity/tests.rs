@@ -18,14 +18,7 @@ const ESTIMATOR: CapacityEstimator = must!(CapacityEstimator::new(PARAMS, DT));
 const HOUR_S: Real = 3600.0;
 
 fn at(soc: Real, soc_sd: Real) -> Estimate {
-    Estimate {
-        soc,
-        soc_sd,
-        polarisation_v: [0.0; 2],
-        hysteresis: 0.0,
-        offset_v: 0.0,
-        temperature_c: 25.0,
-    }
+    Estimate::rested(soc, soc_sd, 25.0)
 }
 
 fn pair(start: Real, end: Real, soc_sd: Real, discharged_ah: Real) -> CapacityInput {

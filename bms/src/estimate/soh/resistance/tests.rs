@@ -18,14 +18,7 @@ const ESTIMATOR: ResistanceEstimator<'static> =
     must!(ResistanceEstimator::new(PARAMS, &BATTERY, DT));
 
 fn at(soc: Real) -> Estimate {
-    Estimate {
-        soc,
-        soc_sd: 0.01,
-        polarisation_v: [0.0; 2],
-        hysteresis: 0.0,
-        offset_v: 0.0,
-        temperature_c: 25.0,
-    }
+    Estimate::rested(soc, 0.01, 25.0)
 }
 
 /// The current of a restless driver.

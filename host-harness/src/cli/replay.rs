@@ -1,0 +1,73 @@
+//! `voltstep replay`.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+
+use crate::read::{input, vehicle};
+use crate::show::progress::Bar;
+use crate::show::{self, files, sheet, summary, trace};
+use crate::simulate::mode::Mode;
+use crate::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
+
+/// A run that takes longer than this shows its progress.
+const SHOW_PROGRESS_AFTER: Duration = Duration::from_secs(1);
+
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// A built-in cycle (see `voltstep list`), a cycle file (`time_s,speed_m_s`) or a trip file
+    input: String,
+    /// A built-in vehicle (see `voltstep list`) or a vehicle file
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = DEFAULT_VEHICLE)]
+    vehicle: String,
+    /// For a trip: the whole vehicle on measured speed, height and auxiliary power, or the
+    /// battery alone on measured current
+    #[arg(long, value_enum, default_value_t = Mode::Vehicle)]
+    mode: Mode,
+    /// Length of a step in milliseconds
+    #[arg(long, value_name = "MS", default_value_t = 1.0, allow_negative_numbers = true)]
+    dt_ms: f64,
+    /// Folder for summary.json, trace.csv and report.svg [default: out/<name>/]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print summary.json on standard output instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Run without the energy ledger, which is faster
+    #[arg(long)]
+    no_ledger: bool,
+}
+
+/// Replays, writes the files and prints the summary.
+///
+/// # Errors
+/// Bad input, a run that diverged, files that cannot be written.
+pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
+    let Arguments { input, vehicle, mode, dt_ms, out, json, no_ledger } = arguments;
+    let options = Options { mode, dt_s: super::step_s(dt_ms)?, ledger: !no_ledger };
+    let vehicle = vehicle::load(&vehicle)?;
+    let drive = input::drive(&input)?;
+    let replay = replay::replay(&vehicle, drive, options, &Bar::new(SHOW_PROGRESS_AFTER))?;
+    let folder = write(&replay, out)?;
+    super::print(&if json {
+        show::json(&replay.summary)?
+    } else {
+        let (table, folder) = (summary::render(&replay.summary), folder.display());
+        format!("{table}\nsummary.json, trace.csv and report.svg are in {folder}\n")
+    })?;
+    Ok(true)
+}
+
+/// Writes summary, trace and plot sheet into `folder`, by default `out/<name>/`; all of them or
+/// none. Gives the folder.
+fn write(replay: &Replay, folder: Option<PathBuf>) -> anyhow::Result<PathBuf> {
+    let folder = folder.unwrap_or_else(|| Path::new("out").join(&replay.summary.input));
+    let files = [
+        ("summary.json", show::json(&replay.summary)?.into_bytes()),
+        ("trace.csv", trace::csv(&replay.run, replay.trip.as_ref())?),
+        ("report.svg", sheet::render(replay)?.into_bytes()),
+    ];
+    files::write_all(&folder, &files)?;
+    Ok(folder)
+}

@@ -1,0 +1,68 @@
+//! `voltstep soc`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::ensure;
+use clap::Args;
+
+use crate::evaluate::estimators::{self, Case, Estimator, Options};
+use crate::show;
+
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Cell tests, trip files, or folders of them
+    #[arg(required = true, value_name = "FILE|DIR", value_parser = check_path)]
+    files: Vec<PathBuf>,
+    /// A built-in battery (see `voltstep list`) or a battery file [default: the cell for cell
+    /// tests, the car's pack for trips]
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    cell: Option<String>,
+    /// The estimator
+    #[arg(long, value_enum, default_value_t = Estimator::Ekf)]
+    estimator: Estimator,
+    /// How wrong the state of charge is that the estimator is told at the start, 0..1; taken
+    /// away where the sum leaves 0..1
+    #[arg(long, value_name = "RATIO", default_value_t = 0.0, allow_negative_numbers = true)]
+    initial_soc_error: f64,
+    /// Added to every measured current
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true)]
+    current_bias_a: f64,
+    /// Samples per second
+    #[arg(long, value_name = "HZ", default_value_t = 10.0)]
+    rate_hz: f64,
+    /// Run the standard set of wrong starts, biases, noise, resistances and capacities
+    #[arg(long, conflicts_with_all = ["initial_soc_error", "current_bias_a"])]
+    matrix: bool,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs an estimator and prints; with the standard set, whether it was honest.
+///
+/// # Errors
+/// Bad input, a figure out of its range.
+pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
+    let Arguments { files, cell, estimator, rate_hz, matrix, json, .. } = arguments;
+    let Arguments { initial_soc_error, current_bias_a, .. } = arguments;
+    ensure!(
+        (-1.0..=1.0).contains(&initial_soc_error),
+        "--initial-soc-error {initial_soc_error}: must lie in -1..1"
+    );
+    ensure!(current_bias_a.is_finite(), "--current-bias-a {current_bias_a}: must be finite");
+    ensure!((0.01..=1000.0).contains(&rate_hz), "--rate-hz {rate_hz}: must lie in 0.01..1000");
+    let cases = if matrix {
+        Case::MATRIX.to_vec()
+    } else {
+        vec![Case::wrong(initial_soc_error, current_bias_a)]
+    };
+    let report = estimators::run(&files, &Options { cell, estimator, rate_hz, cases })?;
+    super::print(&if json { show::json(&report)? } else { show::estimators::render(&report) })?;
+    Ok(!matrix || report.is_honest())
+}
+
+/// A path that is there.
+fn check_path(path: &str) -> Result<PathBuf, String> {
+    let path = Path::new(path);
+    if path.exists() { Ok(path.to_owned()) } else { Err("no such file or folder".to_owned()) }
+}

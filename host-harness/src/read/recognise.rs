@@ -1,0 +1,154 @@
+//! What a file is: the one place that decides it, by what stands at its head.
+
+use crate::read::error::{self, InputError};
+use crate::read::{cell, cycle};
+
+/// What a file may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A driving cycle: speed over time.
+    Cycle,
+    /// A trip that a car recorded.
+    Trip,
+    /// A test of one cell.
+    Cell,
+    /// A vehicle's parameters.
+    Vehicle,
+    /// A battery's parameters.
+    Battery,
+}
+
+impl FileKind {
+    /// Every kind.
+    pub const ALL: [Self; 5] = [Self::Cycle, Self::Trip, Self::Cell, Self::Vehicle, Self::Battery];
+
+    /// In words.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Cycle => "a driving cycle",
+            Self::Trip => "a trip",
+            Self::Cell => "a test of a cell",
+            Self::Vehicle => "a vehicle",
+            Self::Battery => "a battery",
+        }
+    }
+
+    /// By what it is known.
+    const fn mark(self) -> &'static str {
+        match self {
+            Self::Cycle => "header `time_s,speed_m_s`",
+            Self::Trip => "columns separated by `;`",
+            Self::Cell => "columns `current_a`, `voltage_v`, `discharged_ah`, …",
+            Self::Vehicle => "TOML with [body]",
+            Self::Battery => "TOML with [battery.open_circuit]",
+        }
+    }
+}
+
+/// What the file called `file` is, which must be one of `wanted`.
+///
+/// # Errors
+/// [`InputError`] lists what was looked for: an empty file, one that is none of the five kinds, one
+/// that is another kind than wanted.
+pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKind, InputError> {
+    let looked_for = || {
+        let each = wanted.iter().map(|kind| format!("{} ({})", kind.name(), kind.mark()));
+        each.collect::<Vec<_>>().join(" or ")
+    };
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let at_line = |line: usize, message: String| InputError {
+        line: u64::try_from(line + 1).ok(),
+        column: Some(1),
+        ..InputError::of_file(file, message)
+    };
+    let mut lines = bytes.split(|byte| *byte == b'\n').enumerate();
+    let Some((line, first)) = lines.find(|(_, line)| !is_blank(line)) else {
+        return Err(at_line(0, format!("empty file: expected {}", looked_for())));
+    };
+    match kind_of(first, bytes) {
+        Some(kind) if wanted.contains(&kind) => Ok(kind),
+        Some(kind) => {
+            Err(at_line(line, format!("this is {}; expected {}", kind.name(), looked_for())))
+        }
+        None => {
+            error::text(file, bytes)?;
+            Err(at_line(line, format!("not recognised; expected {}", looked_for())))
+        }
+    }
+}
+
+/// Blank, or a comment of TOML.
+fn is_blank(line: &[u8]) -> bool {
+    matches!(line.trim_ascii().first(), None | Some(b'#'))
+}
+
+fn kind_of(first: &[u8], bytes: &[u8]) -> Option<FileKind> {
+    if first.contains(&b';') {
+        return Some(FileKind::Trip);
+    }
+    let first = String::from_utf8_lossy(first);
+    let mut names = first.split(',').map(|name| name.trim().trim_matches('"'));
+    if names.clone().any(|name| cell::COLUMNS[1..].contains(&name)) {
+        return Some(FileKind::Cell);
+    }
+    if names.any(|name| cycle::COLUMNS.contains(&name)) {
+        return Some(FileKind::Cycle);
+    }
+    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start);
+    if lines.clone().any(|line| line.starts_with(b"[body")) {
+        Some(FileKind::Vehicle)
+    } else {
+        lines.any(|line| line.starts_with(b"[battery")).then_some(FileKind::Battery)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VEHICLE: &str = include_str!("../../data/vehicles/bmw-i3-60ah.toml");
+    const BATTERY: &str = include_str!("../../data/batteries/bmw-i3-60ah.toml");
+    const TRIP: &[u8] = include_bytes!("../../data/trips/synthetic.csv");
+    const CELL: &str =
+        "voltage_v, \"time_s\",current_a,discharged_ah,cell_temperature_c\n4,0,1,0,25\n";
+
+    #[test]
+    fn knows_each_kind_and_refuses_it_where_another_is_wanted() {
+        let cycle = "\u{feff}\n\ntime_s,speed_m_s\n0,0\n";
+        for (bytes, kind) in [
+            (cycle.as_bytes(), FileKind::Cycle),
+            (b"time_s,speed_ms\n", FileKind::Cycle),
+            (TRIP, FileKind::Trip),
+            (b"Time [s];Velocity\n", FileKind::Trip),
+            (CELL.as_bytes(), FileKind::Cell),
+            (b"time_s,current_a\n", FileKind::Cell),
+            (VEHICLE.as_bytes(), FileKind::Vehicle),
+            (BATTERY.as_bytes(), FileKind::Battery),
+        ] {
+            assert_eq!(recognise("x", bytes, &FileKind::ALL), Ok(kind));
+            let others = FileKind::ALL.map(|k| if k == kind { FileKind::ALL[0] } else { k });
+            if kind != FileKind::ALL[0] {
+                let error = recognise("x", bytes, &others).unwrap_err();
+                assert!(error.message.starts_with(&format!("this is {}; expected ", kind.name())));
+                assert!(error.line.is_some() && error.column == Some(1), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn says_what_it_looked_for() {
+        let wanted = [FileKind::Cycle, FileKind::Trip];
+        let refused = |bytes: &[u8]| recognise("x", bytes, &wanted).unwrap_err().to_string();
+        let expected = "expected a driving cycle (header `time_s,speed_m_s`) or a trip (columns separated by `;`)";
+        assert_eq!(refused(b""), format!("x:1:1: empty file: {expected}"));
+        assert_eq!(refused(b"\n# a comment\n\n"), format!("x:1:1: empty file: {expected}"));
+        let unknown = format!("not recognised; {expected}");
+        assert_eq!(refused(b"\n\n0,0\n1,1\n"), format!("x:3:1: {unknown}"));
+        assert_eq!(refused(b"key = 1\n"), format!("x:1:1: {unknown}"));
+        assert_eq!(
+            refused(CELL.as_bytes()),
+            format!("x:1:1: this is a test of a cell; {expected}")
+        );
+        assert_eq!(refused(b"\x7fELF\n\xff\xfe"), "x:2:1: not a text: expected UTF-8");
+    }
+}

@@ -1,0 +1,119 @@
+//! The stepping loops: [`vehicle()`] drives the whole vehicle, [`battery()`] the battery alone; both
+//! keep a trace and count over every step.
+
+mod battery;
+mod vehicle;
+
+use std::time::Duration;
+
+use plant_core::num;
+use plant_core::powertrain::ledger::EnergyReport;
+
+use crate::simulate::progress::Progress;
+
+pub use battery::{Load, battery};
+pub use vehicle::vehicle;
+
+/// Progress is told once in so many rows.
+const ROWS_PER_PROGRESS: usize = 256;
+
+/// One kept row of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TraceRow {
+    /// Time from the start \[s\].
+    pub time_s: f64,
+    /// The speed to follow \[m/s\].
+    pub reference_m_s: f32,
+    /// Speed \[m/s\].
+    pub speed_m_s: f32,
+    /// Distance \[m\].
+    pub distance_m: f32,
+    /// Sine of the slope.
+    pub slope_sin: f32,
+    /// Duty applied.
+    pub duty: f32,
+    /// Air-gap torque \[N·m\].
+    pub motor_torque_nm: f32,
+    /// Friction brake \[N\].
+    pub brake_n: f32,
+    /// Winding current \[A\].
+    pub motor_current_a: f32,
+    /// Battery current \[A\], positive when discharging.
+    pub battery_current_a: f32,
+    /// Voltage at the battery's terminals \[V\].
+    pub battery_voltage_v: f32,
+    /// State of charge, 0..1.
+    pub soc: f32,
+}
+
+/// The extremes and sums over every step of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Totals {
+    /// Sum of the squared speed errors \[m²/s²\].
+    pub speed_error_squares: f64,
+    /// Largest speed error \[m/s\].
+    pub speed_error_max_m_s: f32,
+    /// Air-gap torque \[N·m\]: lowest, highest.
+    pub motor_torque_nm: (f32, f32),
+    /// Battery current \[A\]: lowest, highest.
+    pub battery_current_a: (f32, f32),
+    /// Lowest battery voltage \[V\].
+    pub battery_voltage_min_v: f32,
+    /// Net energy at the battery's terminals \[J\].
+    pub battery_energy_j: f64,
+    /// Steps in which a battery limit changed the duty or refused current.
+    pub limited_steps: u64,
+    /// Charge that the battery refused \[C\], without its sign (battery mode).
+    pub refused_charge_c: f64,
+}
+
+impl Default for Totals {
+    fn default() -> Self {
+        let none = (f32::INFINITY, f32::NEG_INFINITY);
+        Self {
+            speed_error_squares: 0.0,
+            speed_error_max_m_s: 0.0,
+            motor_torque_nm: none,
+            battery_current_a: none,
+            battery_voltage_min_v: f32::INFINITY,
+            battery_energy_j: 0.0,
+            limited_steps: 0,
+            refused_charge_c: 0.0,
+        }
+    }
+}
+
+/// A finished run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The step \[s\].
+    pub dt_s: f64,
+    /// How many steps.
+    pub steps: u64,
+    /// Time spent stepping.
+    pub wall: Duration,
+    /// The kept rows: one at each row of the route, the first before the first step.
+    pub trace: Vec<TraceRow>,
+    /// Extremes and sums over every step.
+    pub totals: Totals,
+    /// The energy ledger, where it was kept.
+    pub energy: Option<EnergyReport>,
+}
+
+/// The number of the step that begins nearest to a time.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "times are ≥ 0")]
+fn step_at(time_s: f64, dt_s: f64) -> u64 {
+    (time_s / dt_s).round() as u64
+}
+
+#[inline]
+fn widen(range: &mut (f32, f32), value: f32) {
+    *range = (num::min(range.0, value), num::max(range.1, value));
+}
+
+/// Tells now and then how far a run is.
+fn tell(progress: &dyn Progress, row: usize, rows: usize) {
+    if row.is_multiple_of(ROWS_PER_PROGRESS) {
+        progress.at(row, rows, "");
+    }
+}

@@ -1,0 +1,219 @@
+//! The whole vehicle along a route.
+
+use std::time::Instant;
+
+use anyhow::Context;
+use plant_core::battery::Pack;
+use plant_core::control::driver::{Driver, DriverInput, DriverState};
+use plant_core::mechanics::body::Road;
+use plant_core::powertrain::ledger::{Book, EnergyLedger};
+use plant_core::powertrain::{Feedback, Powertrain, PowertrainInput, PowertrainState};
+use plant_core::{Dt, num};
+
+use super::{Run, Totals, TraceRow, step_at, tell, widen};
+use crate::read::vehicle::{Vehicle, VehicleBattery};
+use crate::simulate::progress::Progress;
+use crate::simulate::route::{Route, Row};
+
+/// Drives a vehicle along a route, with or without the energy ledger.
+///
+/// # Errors
+/// A parameter that is out of range, or a plant that refused a step.
+pub fn vehicle(
+    vehicle: &Vehicle,
+    route: &Route,
+    start_soc: f32,
+    dt_s: f64,
+    ledger: bool,
+    progress: &dyn Progress,
+) -> anyhow::Result<Run> {
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+    let dt = Dt::from_s(dt_s as f32)?;
+    let drive = Drive { vehicle, route, start_soc, dt, dt_s, progress };
+    let params = vehicle.powertrain;
+    match (params.battery, ledger) {
+        (VehicleBattery::Constant(battery), false) => {
+            Ok(drive.along(&Powertrain::new(params.with_battery(battery), dt)?)?.0)
+        }
+        (VehicleBattery::Constant(battery), true) => {
+            drive.with_ledger(&Powertrain::with_ledger(params.with_battery(battery), dt)?)
+        }
+        (VehicleBattery::Mapped(battery), false) => {
+            Ok(drive.along(&Powertrain::mapped(params.with_battery(battery), dt)?)?.0)
+        }
+        (VehicleBattery::Mapped(battery), true) => {
+            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(battery), dt)?)
+        }
+    }
+}
+
+struct Drive<'a> {
+    vehicle: &'a Vehicle,
+    route: &'a Route,
+    start_soc: f32,
+    dt: Dt,
+    dt_s: f64,
+    progress: &'a dyn Progress,
+}
+
+impl Drive<'_> {
+    fn with_ledger<B: Pack>(&self, plant: &Powertrain<EnergyLedger, B>) -> anyhow::Result<Run> {
+        let (mut run, start, end) = self.along(plant)?;
+        run.energy = Some(plant.energy(&start, &end));
+        Ok(run)
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+    fn along<L: Book, B: Pack>(
+        &self,
+        plant: &Powertrain<L, B>,
+    ) -> anyhow::Result<Driven<L, B::State>> {
+        let driver = Driver::new(self.vehicle.driver, &self.vehicle.powertrain, self.dt)?;
+        let rows = &self.route.rows;
+        let first = rows.first().context("an empty route")?;
+        let mut start = plant.at_speed(self.start_soc, first.speed_m_s as f32)?;
+        plant.battery().set_temperature(&mut start.battery, first.battery_c);
+        let mut trace = Vec::with_capacity(rows.len());
+        trace.push(TraceRow {
+            reference_m_s: first.speed_m_s as f32,
+            speed_m_s: first.speed_m_s as f32,
+            battery_voltage_v: start.battery_v,
+            soc: self.start_soc,
+            slope_sin: first.grade.sin,
+            ..TraceRow::default()
+        });
+        let mut loop_state = Loop {
+            plant: start,
+            driver: DriverState::default(),
+            feedback: plant.feedback(&start),
+            totals: Totals::default(),
+        };
+        let mut steps = 0;
+        let started = Instant::now();
+        for (number, pair) in rows.windows(2).enumerate() {
+            let (row, next) = (&pair[0], &pair[1]);
+            let until = step_at(next.time_s, self.dt_s);
+            let mut kept = TraceRow {
+                time_s: next.time_s,
+                reference_m_s: next.speed_m_s as f32,
+                slope_sin: row.grade.sin,
+                ..trace[number]
+            };
+            if until > steps {
+                plant.battery().set_temperature(&mut loop_state.plant.battery, row.battery_c);
+                let stretch = Stretch::new(row, next, steps, until, self.dt_s);
+                let sound = loop_state.along(plant, &driver, &stretch, &mut kept);
+                anyhow::ensure!(
+                    sound,
+                    "the plant refused its input before {:.3} s: the run diverged; try a shorter step",
+                    next.time_s
+                );
+                steps = until;
+            }
+            trace.push(kept);
+            tell(self.progress, number, rows.len());
+        }
+        let wall = started.elapsed();
+        let Loop { plant: end, totals, .. } = loop_state;
+        let run = Run { dt_s: self.dt_s, steps, wall, trace, totals, energy: None };
+        Ok((run, start, end))
+    }
+}
+
+/// A run, and the states at its start and its end.
+type Driven<L, S> = (Run, PowertrainState<L, S>, PowertrainState<L, S>);
+
+/// The steps between two rows: the reference is a line, the rest holds.
+struct Stretch {
+    steps: u64,
+    dt_s: f64,
+    first_m_s: f32,
+    per_step_m_s: f32,
+    rate_m_s2: f32,
+    road: Road,
+    auxiliary_w: f32,
+}
+
+impl Stretch {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        reason = "the plant computes in f32; counts stay below 2^53"
+    )]
+    fn new(row: &Row, next: &Row, from: u64, until: u64, dt_s: f64) -> Self {
+        let rate = (next.speed_m_s - row.speed_m_s) / (next.time_s - row.time_s);
+        let first = row.speed_m_s + rate * (from as f64 * dt_s - row.time_s);
+        Self {
+            steps: until - from,
+            dt_s,
+            first_m_s: first as f32,
+            per_step_m_s: (rate * dt_s) as f32,
+            rate_m_s2: rate as f32,
+            road: Road { grade: row.grade, ..Road::default() },
+            auxiliary_w: row.auxiliary_w,
+        }
+    }
+}
+
+/// What the stepping loop carries along.
+struct Loop<L, S> {
+    plant: PowertrainState<L, S>,
+    driver: DriverState,
+    feedback: Feedback,
+    totals: Totals,
+}
+
+impl<L: Book, S: Copy> Loop<L, S> {
+    /// The loop itself. Whether every step was accepted; `kept` gets the end of the last one.
+    fn along<B: Pack<State = S>>(
+        &mut self,
+        plant: &Powertrain<L, B>,
+        driver: &Driver,
+        stretch: &Stretch,
+        kept: &mut TraceRow,
+    ) -> bool {
+        // Locals, so that they live in registers.
+        let (mut state, mut driving, mut feedback) = (self.plant, self.driver, self.feedback);
+        let mut totals = self.totals;
+        let mut road = stretch.road;
+        let (mut squares, mut energy_w) = (0.0_f32, 0.0_f32);
+        let mut number = 0.0_f32;
+        let mut sound = true;
+        for _ in 0..stretch.steps {
+            let reference_m_s = stretch.first_m_s + stretch.per_step_m_s * number;
+            number += 1.0;
+            let error = reference_m_s - feedback.speed_m_s;
+            squares += error * error;
+            totals.speed_error_max_m_s = num::max(totals.speed_error_max_m_s, error.abs());
+            let command = driver.step(
+                &mut driving,
+                DriverInput { reference_m_s, reference_m_s2: stretch.rate_m_s2, vehicle: feedback },
+            );
+            road.brake_n = command.brake_n;
+            let out = plant.step(
+                &mut state,
+                PowertrainInput { duty: command.duty, road, auxiliary_w: stretch.auxiliary_w },
+            );
+            feedback = Feedback::from(&out);
+            energy_w += out.battery_v * out.battery_a;
+            widen(&mut totals.motor_torque_nm, out.motor_nm);
+            widen(&mut totals.battery_current_a, out.battery_a);
+            totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, out.battery_v);
+            totals.limited_steps += u64::from(feedback.limited);
+            sound &= !out.rejected;
+            kept.speed_m_s = out.speed_m_s;
+            kept.distance_m = out.distance_m;
+            kept.duty = out.duty;
+            kept.motor_torque_nm = out.motor_nm;
+            kept.brake_n = command.brake_n;
+            kept.motor_current_a = out.motor_a;
+            kept.battery_current_a = out.battery_a;
+            kept.battery_voltage_v = out.battery_v;
+            kept.soc = out.soc;
+        }
+        totals.speed_error_squares += f64::from(squares);
+        totals.battery_energy_j += f64::from(energy_w) * stretch.dt_s;
+        *self = Self { plant: state, driver: driving, feedback, totals };
+        sound
+    }
+}

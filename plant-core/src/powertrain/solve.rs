@@ -1,0 +1,118 @@
+//! One solution of the coupled plant for one duty: down the chain, one equation, and back to the
+//! currents, as the header of [`powertrain`](super) says.
+//!
+//! Tests: `tests` of the powertrain.
+
+use super::{Powertrain, PowertrainState};
+use crate::battery::Pack;
+use crate::converter::Converter;
+use crate::mechanics::body::{Motion, Resistance};
+use crate::num::Real;
+use crate::port::Source;
+use crate::powertrain::ledger::Book;
+
+/// What draws from the battery beside the drive, within one step.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Loads {
+    /// There are any: where there are none, nothing is added for them.
+    pub any: bool,
+    /// The constant power's current \[A\].
+    pub constant_a: Real,
+    /// Auxiliary resistor \[S\].
+    pub resistor_s: Real,
+    /// The converter's constant loss \[S\].
+    pub converter_s: Real,
+}
+
+impl Loads {
+    pub const fn current_a(&self, battery_v: Real) -> Real {
+        self.constant_a + (self.resistor_s + self.converter_s) * battery_v
+    }
+}
+
+/// Where a step starts from, as far as the solution depends on it.
+#[derive(Clone, Copy)]
+pub(super) struct Start {
+    pub speed_m_s: Real,
+    pub current_a: Real,
+    pub loads: Loads,
+    /// What the battery offers once these have drawn.
+    pub bus: Source,
+    pub converter_ohm: Real,
+    pub resistance: Resistance,
+}
+
+impl Start {
+    /// Cuts the auxiliary loads off.
+    pub const fn starve(&mut self, source: Source) {
+        self.loads = Loads { any: true, constant_a: 0.0, resistor_s: 0.0, converter_s: 0.0 };
+        self.bus = source;
+    }
+}
+
+/// What one duty leads to.
+#[derive(Clone, Copy)]
+pub(super) struct Solution {
+    pub duty: Real,
+    pub motion: Motion,
+    pub current_increment_a: Real,
+    pub battery_a: Real,
+    pub battery_v: Real,
+}
+
+impl<L: Book, B: Pack> Powertrain<L, B> {
+    /// What draws from the battery beside the drive, at its last voltage.
+    #[inline(always)]
+    fn loads(&self, asked_w: Real, battery_v: Real) -> Loads {
+        Loads {
+            any: true,
+            constant_a: self.auxiliary.constant_power_a(asked_w, battery_v),
+            resistor_s: self.auxiliary.conductance_s,
+            converter_s: self.converter.shunt_s(battery_v),
+        }
+    }
+
+    /// Down the chain: what the terminals offer, what the auxiliary loads leave of it. Also the
+    /// terminals themselves, and the open-circuit voltage \[V\].
+    #[inline(always)]
+    pub(super) fn start(
+        &self,
+        state: &PowertrainState<L, B::State>,
+        auxiliary_w: Real,
+        resistance: Resistance,
+    ) -> (Start, Source, Real) {
+        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
+        let (source, open_circuit_v) = self.battery.offer(&state.battery);
+        let mut start = Start {
+            speed_m_s: v,
+            current_a: i,
+            loads: Loads::default(),
+            bus: source,
+            converter_ohm: 0.0,
+            resistance,
+        };
+        if !self.plain || auxiliary_w > 0.0 {
+            start.loads = self.loads(auxiliary_w, state.battery_v);
+            start.bus = source
+                .loaded(start.loads.constant_a, start.loads.resistor_s + start.loads.converter_s);
+            start.converter_ohm = self.converter.series_ohm(i);
+        }
+        (start, source, open_circuit_v)
+    }
+
+    /// What one duty leads to: down the chain, one equation, and back to the currents.
+    #[inline(always)]
+    pub(super) fn solve(&self, start: &Start, duty: Real) -> Solution {
+        let seen = Converter::seen_through(start.bus, duty, start.converter_ohm);
+        let (drive, current) = self.winding.law(seen, start.current_a, start.speed_m_s);
+        let motion = start.resistance.solve(drive, start.speed_m_s);
+        let current_increment_a = current.increment_a(motion.increment_m_s);
+        let drive_a = duty * (start.current_a + current_increment_a);
+        let battery_v = start.bus.voltage_v(drive_a);
+        let mut battery_a = drive_a;
+        if start.loads.any {
+            battery_a += start.loads.current_a(battery_v);
+        }
+        Solution { duty, motion, current_increment_a, battery_a, battery_v }
+    }
+}
