@@ -320,7 +320,7 @@ typedef uint32_t VoltstepWindup;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Whether a battery limit changed the duty.
+// What changed the duty, if anything.
 enum VoltstepLimited
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -332,6 +332,8 @@ enum VoltstepLimited
   VOLTSTEP_LIMITED_DISCHARGE = 1,
   // The charge limit, or what is left to charge, held it back.
   VOLTSTEP_LIMITED_CHARGE = 2,
+  // The commanded duty lay beyond the converter's limit.
+  VOLTSTEP_LIMITED_DUTY = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -12,7 +12,7 @@ use crate::handle::{
 use crate::params::VoltstepParams;
 use crate::status::VoltstepStatus;
 
-/// Whether a battery limit changed the duty.
+/// What changed the duty, if anything.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VoltstepLimited {
@@ -22,6 +22,8 @@ pub enum VoltstepLimited {
     Discharge = 1,
     /// The charge limit, or what is left to charge, held it back.
     Charge = 2,
+    /// The commanded duty lay beyond the converter's limit.
+    Duty = 3,
 }
 
 /// What drives one step. Start from `voltstep_inputs_default`.
@@ -267,6 +269,7 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
             Limited::No => VoltstepLimited::No,
             Limited::Discharge => VoltstepLimited::Discharge,
             Limited::Charge => VoltstepLimited::Charge,
+            Limited::Duty => VoltstepLimited::Duty,
         } as u32,
         auxiliary_starved: out.auxiliary_starved,
         rejected: out.rejected,

@@ -140,6 +140,7 @@ impl Driver {
                         measurement: input.vehicle.speed_m_s,
                     },
                     input.vehicle.duty,
+                    input.vehicle.limited,
                 );
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
@@ -253,7 +254,7 @@ impl TorqueDriver {
         let wanted_nm = force_n * self.per_motor_rad_m;
         let (mut command_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
-        if !free || vehicle.limited || next.speed.held_back() {
+        if !free || vehicle.limited {
             (command_nm, brake_n) = self.blend(&mut next, &input, wanted_nm);
         }
         let duty = (self.v_per_nm * command_nm + idle_v) * per_v;
@@ -295,7 +296,7 @@ impl TorqueDriver {
         } else {
             0.0
         };
-        Pid::saturate(&mut state.speed, direction);
+        self.speed.saturate(&mut state.speed, direction);
         (way * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
     }
 }

@@ -261,7 +261,8 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         let commanded = self.converter.allowed_duty(input.duty);
         let mut solution = self.solve(&start, commanded);
         let mut battery = self.battery.next(&state.battery, solution.battery_a);
-        let (mut limited, mut starved) = (Limited::No, false);
+        let mut limited = if commanded == input.duty { Limited::No } else { Limited::Duty };
+        let mut starved = false;
         if !self.battery.allows(solution.battery_a, &battery) {
             let held = self.hold_limits(
                 state,
@@ -271,7 +272,10 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
                 resistance.slope_n_s_per_m,
                 resistance.friction_n,
             );
-            (solution, limited, starved) = (held.solution, held.limited, held.starved);
+            (solution, starved) = (held.solution, held.starved);
+            if held.limited != Limited::No {
+                limited = held.limited;
+            }
             if starved {
                 start.starve(source);
             }

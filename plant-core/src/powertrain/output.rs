@@ -8,7 +8,7 @@ use crate::num::Real;
 use crate::port::Slip;
 use crate::powertrain::ledger::{Book, Flows};
 
-/// Whether a battery limit changed the duty.
+/// What changed the duty, if anything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Limited {
@@ -19,6 +19,8 @@ pub enum Limited {
     Discharge,
     /// The charge limit, or what is left to charge, held it back.
     Charge,
+    /// The commanded duty lay beyond the converter's limit.
+    Duty,
 }
 
 /// What one step of a [`Powertrain`] says.
@@ -29,7 +31,7 @@ pub struct PowertrainOutput {
     pub rejected: bool,
     /// The duty applied.
     pub duty: Real,
-    /// Whether a battery limit changed it.
+    /// What changed it.
     pub limited: Limited,
     /// The battery could not even feed the auxiliary loads: they were cut off.
     pub auxiliary_starved: bool,
@@ -72,9 +74,9 @@ pub struct Feedback {
     pub battery_v: Real,
     /// State of charge, 0..1.
     pub soc: Real,
-    /// The duty applied.
+    /// The duty applied; counts only where it was `limited`.
     pub duty: Real,
-    /// A battery limit changed the duty.
+    /// A limit changed the duty.
     pub limited: bool,
 }
 

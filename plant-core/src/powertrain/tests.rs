@@ -282,7 +282,7 @@ fn holds(
 fn every_step_keeps_the_equations_and_the_limits() {
     for params in [FULL, PLAIN].into_iter().chain(with_one_load()) {
         let plant = plant(params);
-        let mut seen = [0; 7];
+        let mut seen = [0; 8];
         for (before, input) in cases(&plant) {
             let mut now = before;
             let limits = plant.battery().limits(&before.battery);
@@ -298,10 +298,10 @@ fn every_step_keeps_the_equations_and_the_limits() {
                 assert!(out.battery_a >= -limits.charge_a - rounding_a, "{out:?}");
             }
             match out.limited {
-                Limited::No => {
-                    let allowed =
-                        input.duty.clamp(-params.converter.duty_limit, params.converter.duty_limit);
-                    assert_eq!(out.duty, allowed);
+                Limited::No => assert_eq!(out.duty, input.duty),
+                Limited::Duty => {
+                    let limit = params.converter.duty_limit;
+                    assert!(input.duty.abs() > limit && out.duty.abs() == limit, "{out:?}");
                 }
                 Limited::Discharge => {
                     assert!(out.duty.abs() <= input.duty.abs(), "{out:?} {input:?}");
@@ -313,11 +313,11 @@ fn every_step_keeps_the_equations_and_the_limits() {
                 }
             }
             seen[out.limited as usize] += 1;
-            seen[3 + out.slip as usize] += 1;
-            seen[6] += usize::from(out.auxiliary_starved);
+            seen[4 + out.slip as usize] += 1;
+            seen[7] += usize::from(out.auxiliary_starved);
         }
         let starves = usize::from(params == FULL);
-        assert!(seen[..6 + starves].iter().all(|n| *n > 20), "{seen:?}");
+        assert!(seen[..7 + starves].iter().all(|n| *n > 20), "{seen:?}");
     }
 }
 

@@ -218,8 +218,14 @@ fn a_decision_follows_the_rules() {
         let rounding_n = 0.05;
         if !standing && short_n.abs() > rounding_n && (short_n - p.brake_limit_n).abs() > rounding_n
         {
+            let excess = if short_n < 0.0 { way } else { -way };
             let held_back = short_n < 0.0 || short_n > p.brake_limit_n;
-            assert_eq!(state.speed.held_back(), held_back, "{n}: short of {short_n} N");
+            let mut told = DriverState::default();
+            driver
+                .speed
+                .step(&mut told.speed, PidInput { reference: reference_m_s, measurement: v });
+            driver.speed.saturate(&mut told.speed, if held_back { excess } else { 0.0 });
+            assert_eq!(state.speed, told.speed, "{n}: short of {short_n} N");
         }
         seen[0] += u32::from(given_nm == most_nm);
         seen[1] += u32::from(given_nm == least_nm);
@@ -228,6 +234,24 @@ fn a_decision_follows_the_rules() {
         seen[4] += u32::from(short_n > p.brake_limit_n);
     }
     assert!(seen[..4].iter().all(|n| *n > 20), "{seen:?}");
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn a_duty_that_was_not_told_is_no_saturation() {
+    let speed = PidParams { proportional: 0.05, integral_per_s: 0.05, ..PidParams::DEFAULT };
+    let vehicle = Vehicle { driver: DriverParams::Duty(speed), ..EPOWERTRAIN_UDDS };
+    let plant = Powertrain::new(vehicle.powertrain, DT).unwrap();
+    let driver = Driver::new(vehicle.driver, &vehicle.powertrain, DT).unwrap();
+    let (mut s, mut d) = (plant.at_rest(0.8).unwrap(), DriverState::default());
+    let mut seen = plant.feedback(&s);
+    for _ in 0..60_000 {
+        let input = DriverInput { reference_m_s: 10.0, reference_m_s2: 0.0, vehicle: seen };
+        let duty = driver.step(&mut d, input).duty;
+        let out = plant.step(&mut s, PowertrainInput { duty, ..PowertrainInput::default() });
+        seen = Feedback { speed_m_s: out.speed_m_s, ..Feedback::default() };
+    }
+    assert!((seen.speed_m_s - 10.0).abs() < 0.01, "{}", seen.speed_m_s);
 }
 
 #[test]
