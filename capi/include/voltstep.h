@@ -95,9 +95,9 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_BATTERY_DISCHARGE_LIMIT_A = 114,
   // `battery.charge_limit_a` must be at least 1e-12 (infinity: no limit).
   VOLTSTEP_STATUS_BATTERY_CHARGE_LIMIT_A = 115,
-  // `battery.open_circuit.linear.empty_v` must be finite and between -1e12 and 1e12.
+  // `battery.open_circuit.linear.empty_v` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_BATTERY_EMPTY_V = 116,
-  // `battery.open_circuit.linear.full_v` must be finite and between -1e12 and 1e12.
+  // `battery.open_circuit.linear.full_v` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_BATTERY_FULL_V = 117,
   // `battery.open_circuit.linear.full_v` must not decrease from one entry to the next.
   VOLTSTEP_STATUS_BATTERY_FULL_V_DECREASING = 118,
@@ -157,7 +157,7 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_BODY_ROLLING_COEFFICIENT = 194,
   // `body.resistance.a_n` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_BODY_AN = 195,
-  // `body.resistance.b_n_s_per_m` must be finite, zero or above, and at most 1e12.
+  // `body.resistance.b_n_s_per_m` must lie in the range that its documentation gives.
   VOLTSTEP_STATUS_BODY_BNS_PER_M = 196,
   // `body.resistance.c_n_s2_per_m2` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_BODY_CNS2_PER_M2 = 197,

@@ -23,7 +23,7 @@ pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchSt
 
 use crate::error::{ParamError, check, limit, positive, ratio};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, LARGEST, Real, clamp, min, sane};
+use crate::num::{Accum, LARGEST, Real, clamp, max, min, sane};
 use crate::port::Source;
 
 /// A battery within this of 0 or 1 counts as depleted or full.
@@ -75,7 +75,7 @@ pub struct Battery {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BatteryState {
-    /// State of charge, 0..1.
+    /// State of charge, 0..1. May be set from an estimate; what lies outside is held at the end.
     pub soc: Accum,
     /// The RC branch.
     pub rc: RcBranchState,
@@ -180,8 +180,8 @@ impl Battery {
     pub const fn limits(&self, state: &BatteryState) -> CurrentLimits {
         let soc = state.soc.get();
         CurrentLimits {
-            discharge_a: min(self.discharge_limit_a, soc * self.a_per_soc),
-            charge_a: min(self.charge_limit_a, (1.0 - soc) * self.a_per_soc),
+            discharge_a: min(self.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
+            charge_a: min(self.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
         }
     }
 

@@ -50,8 +50,8 @@ pub trait Pack: Copy {
     fn discharged_energy_j(&self, from: &Self::State, to: &Self::State) -> Real;
     /// Lets slow parameters follow, after a step.
     fn refresh(&self, state: &mut Self::State);
-    /// Takes a measured temperature \[°C\], where the model knows one.
-    fn set_temperature(&self, state: &mut Self::State, temperature_c: Real);
+    /// Takes a measured temperature \[°C\]; says whether the model knows one and this is possible.
+    fn set_temperature(&self, state: &mut Self::State, temperature_c: Real) -> bool;
     /// Whether state of charge or temperature lie outside what the parameters were identified for.
     fn is_outside(state: &Self::State) -> bool;
 }
@@ -126,7 +126,9 @@ impl Pack for Battery {
     #[inline(always)]
     fn refresh(&self, _state: &mut BatteryState) {}
 
-    fn set_temperature(&self, _state: &mut BatteryState, _temperature_c: Real) {}
+    fn set_temperature(&self, _state: &mut BatteryState, _temperature_c: Real) -> bool {
+        false
+    }
 
     #[inline(always)]
     fn is_outside(_state: &BatteryState) -> bool {
@@ -211,8 +213,8 @@ impl Pack for MappedBattery {
         Self::refresh(self, state);
     }
 
-    fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) {
-        Self::set_temperature(self, state, temperature_c);
+    fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) -> bool {
+        Self::set_temperature(self, state, temperature_c)
     }
 
     #[inline(always)]

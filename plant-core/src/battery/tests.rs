@@ -20,6 +20,19 @@ fn load(current_a: Real) -> BatteryInput {
     BatteryInput { current_a }
 }
 
+/// As an estimate may set it.
+#[test]
+fn a_charge_outside_its_range_counts_as_its_end() {
+    let b = battery(0.001);
+    for (soc, end) in [(1.0001, 1.0), (-0.0001, 0.0)] {
+        let mut s = BatteryState { soc: Accum::new(soc), ..BatteryState::rested(0.5).unwrap() };
+        let limits = b.limits(&s);
+        assert!(limits.discharge_a >= 0.0 && limits.charge_a >= 0.0, "{limits:?}");
+        let out = b.step(&mut s, load(0.0));
+        assert_eq!((out.current_a, out.soc, out.rejected), (0.0, end, false));
+    }
+}
+
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn counts_charge_and_drops_voltage() {

@@ -6,7 +6,7 @@
 //! pours one of these into its compensated total and empties it, so that a step costs little and
 //! no sum grows long enough to lose anything.
 
-use crate::num::{Accum, Real};
+use crate::num::{Accum, Real, max};
 
 /// Lists the ledger's terms once; everything that knows them comes from here.
 macro_rules! terms {
@@ -126,10 +126,13 @@ terms! {
 const _: () = assert!(TERMS == 16);
 
 impl EnergyReport {
-    /// The residual over the throughput; 0 where nothing flowed.
+    /// The residual over the throughput, or over what moved between height, motion and brake where
+    /// that is more (a full battery downhill); 0 where nothing moved.
     #[must_use]
     pub const fn residual_rel(&self) -> Real {
-        if self.throughput > 0.0 { self.residual / self.throughput } else { 0.0 }
+        let moved = max(self.potential.abs(), max(self.kinetic.abs(), self.brake));
+        let size = max(self.throughput, moved);
+        if size > 0.0 { self.residual / size } else { 0.0 }
     }
 }
 
@@ -269,6 +272,8 @@ mod tests {
         assert!((open.residual_rel() - 0.06).abs() < 1e-5, "{open:?}");
         assert_eq!(open.terms()[5], ("copper", open.copper));
         assert_eq!(EnergyReport::default().residual_rel(), 0.0);
+        let downhill = EnergyReport { residual: 2.0, potential: -1e6, ..EnergyReport::default() };
+        assert_eq!(downhill.residual_rel(), 2e-6);
     }
 
     #[test]

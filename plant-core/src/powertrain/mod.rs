@@ -293,10 +293,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             + (v + solution.motion.increment_m_s).abs()
             + solution.battery_a.abs()
             + B::magnitude(&battery);
-        let accepted = sound(magnitude)
-            && input.road.brake_n >= 0.0
-            && input.road.grade.cos >= 0.0
-            && input.auxiliary_w >= 0.0;
+        let accepted = sound(magnitude) && input.road.is_possible() && input.auxiliary_w >= 0.0;
         if !accepted {
             return self.rejected(state, open_circuit_v);
         }

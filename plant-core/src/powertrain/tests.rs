@@ -341,6 +341,8 @@ fn a_refused_step_changes_nothing_and_says_so() {
             PowertrainInput { auxiliary_w: -1.0, ..good },
             road(Road { brake_n: -1.0, ..flat }),
             road(Road { grade: Grade { sin: 0.0, cos: -1.0 }, ..flat }),
+            road(Road { grade: Grade { sin: 5.0, cos: 1.0 }, ..flat }),
+            road(Road { grade: Grade::from_ratio(5.0), ..flat }),
         ];
         for x in [Real::NAN, Real::INFINITY, 1e38] {
             bad.extend([

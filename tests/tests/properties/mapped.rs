@@ -38,7 +38,8 @@ fn stays_finite_in_the_plant() {
     check(256, (model, plants, inputs), |((battery, dt, soc), plant, inputs)| {
         let model = Powertrain::mapped(plant.with_battery(battery), dt).unwrap();
         keeps(model.at_rest(soc).unwrap(), &inputs, |s, [duty, sin, brake_n, auxiliary_w]| {
-            let road = Road { grade: Grade { sin, cos: 1.0 }, headwind_m_s: 0.0, brake_n };
+            let grade = Grade { sin, ..Grade::from_sin(sin) };
+            let road = Road { grade, headwind_m_s: 0.0, brake_n };
             let out = model.step(s, PowertrainInput { duty, road, auxiliary_w });
             (out, out.rejected)
         })
