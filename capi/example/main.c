@@ -71,8 +71,8 @@ static int mistakes(void)
     VoltstepInputs inputs;
     int wrong = 0;
     wrong += expect(voltstep_params_preset(99, &params), VOLTSTEP_STATUS_UNKNOWN_PRESET);
-    wrong += expect(voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3, 0), VOLTSTEP_STATUS_NULL_POINTER);
-    voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3, &params);
+    wrong += expect(voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, 0), VOLTSTEP_STATUS_NULL_POINTER);
+    voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, &params);
     voltstep_inputs_default(&inputs);
     wrong += expect(voltstep_step(&plant, &state, &inputs, 0),
                     VOLTSTEP_STATUS_PLANT_NOT_INITIALISED);
@@ -128,5 +128,5 @@ static int drive(const char *name, VoltstepPreset preset)
 int main(void)
 {
     return mistakes() + drive("epowertrain-udds", VOLTSTEP_PRESET_EPOWERTRAIN_UDDS) +
-           drive("bmw-i3-60ah", VOLTSTEP_PRESET_BMW_I3);
+           drive("bmw-i3-60ah-constant", VOLTSTEP_PRESET_BMW_I3_CONSTANT);
 }

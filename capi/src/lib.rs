@@ -26,14 +26,14 @@ pub use params::{
     VoltstepBatteryParams, VoltstepBodyParams, VoltstepConverterParams, VoltstepDriverKind,
     VoltstepGearboxParams, VoltstepMotorParams, VoltstepOpenCircuit, VoltstepParams,
     VoltstepPidParams, VoltstepPreset, VoltstepRoadLaw, VoltstepTorqueParams, VoltstepWheelParams,
-    VoltstepWindup, voltstep_params_preset,
+    VoltstepWindup,
 };
 pub use refusals::voltstep_error_message;
 pub use status::VoltstepStatus;
 pub use step::{
     VoltstepInputs, VoltstepLimited, VoltstepOutputs, VoltstepSnapshot, VoltstepSum,
-    voltstep_inputs_default, voltstep_plant_init, voltstep_state_init, voltstep_state_snapshot,
-    voltstep_step,
+    voltstep_inputs_default, voltstep_params_preset, voltstep_plant_init, voltstep_state_init,
+    voltstep_state_snapshot, voltstep_step,
 };
 
 /// What a static library for a microcontroller has to have. No path leads here: the linked image

@@ -1,10 +1,6 @@
 //! The parameters as C sees them: plain structs, choices as `uint32_t`, so that no bit pattern
 //! from C is invalid.
 
-use crate::handle::write_to;
-use crate::status::VoltstepStatus;
-use plant_core::presets;
-
 /// Version of this interface. `VoltstepParams.abi` must hold it, so that a header and a library
 /// that do not belong together are noticed.
 pub const VOLTSTEP_ABI: u32 = 1;
@@ -16,8 +12,9 @@ pub const VOLTSTEP_SOC_POINTS: usize = 65;
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VoltstepPreset {
-    /// A physical BMW i3 60 Ah, driven by torque.
-    BmwI3 = 0,
+    /// A physical BMW i3 60 Ah, driven by torque, with a battery of constant parameters:
+    /// `bmw-i3-60ah-constant`. The mapped battery of `bmw-i3-60ah` is not in this interface yet.
+    BmwI3Constant = 0,
     /// The BMW i3 of `EPowertrain` (2025), Table 5.6, to the letter.
     BmwI3Epowertrain = 1,
     /// The UDDS vehicle of `EPowertrain` (2025) that gives its published state of charge.
@@ -274,24 +271,4 @@ pub struct VoltstepParams {
     pub pid: VoltstepPidParams,
     /// Torque driver: the rest of it.
     pub torque: VoltstepTorqueParams,
-}
-
-/// Fills `params` with one of `VoltstepPreset`.
-///
-/// # Safety
-/// `params` is null, or points to memory of its type that may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn voltstep_params_preset(
-    preset: u32,
-    params: *mut VoltstepParams,
-) -> VoltstepStatus {
-    let vehicle = match preset {
-        p if p == VoltstepPreset::BmwI3 as u32 => &presets::BMW_I3_60AH,
-        p if p == VoltstepPreset::BmwI3Epowertrain as u32 => &presets::BMW_I3_60AH_EPOWERTRAIN,
-        p if p == VoltstepPreset::EpowertrainUdds as u32 => &presets::EPOWERTRAIN_UDDS,
-        p if p == VoltstepPreset::EpowertrainUddsTable as u32 => &presets::EPOWERTRAIN_UDDS_TABLE,
-        _ => return VoltstepStatus::UnknownPreset,
-    };
-    // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
-    unsafe { write_to(params, VoltstepParams::from(vehicle)) }
 }

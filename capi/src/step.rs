@@ -4,12 +4,13 @@ use plant_core::Accum;
 use plant_core::control::driver::{DriverInput, DriverOutput};
 use plant_core::powertrain::Feedback;
 use plant_core::powertrain::{Limited, PowertrainInput};
+use plant_core::presets;
 
 use crate::handle::{
     Plant, State, VoltstepPlant, VoltstepState, check, check_apart, exclusive, initialise,
     read_from, shared, write_to,
 };
-use crate::params::VoltstepParams;
+use crate::params::{VoltstepParams, VoltstepPreset};
 use crate::status::VoltstepStatus;
 
 /// What changed the duty, if anything.
@@ -118,6 +119,26 @@ impl From<Accum> for VoltstepSum {
     fn from(sum: Accum) -> Self {
         Self { value: sum.get(), lost: sum.since(Accum::new(sum.get())) }
     }
+}
+
+/// Fills `params` with one of `VoltstepPreset`.
+///
+/// # Safety
+/// `params` is null, or points to memory of its type that may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn voltstep_params_preset(
+    preset: u32,
+    params: *mut VoltstepParams,
+) -> VoltstepStatus {
+    let vehicle = match preset {
+        p if p == VoltstepPreset::BmwI3Constant as u32 => &presets::BMW_I3_60AH_CONSTANT,
+        p if p == VoltstepPreset::BmwI3Epowertrain as u32 => &presets::BMW_I3_60AH_EPOWERTRAIN,
+        p if p == VoltstepPreset::EpowertrainUdds as u32 => &presets::EPOWERTRAIN_UDDS,
+        p if p == VoltstepPreset::EpowertrainUddsTable as u32 => &presets::EPOWERTRAIN_UDDS_TABLE,
+        _ => return VoltstepStatus::UnknownPreset,
+    };
+    // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
+    unsafe { write_to(params, VoltstepParams::from(vehicle)) }
 }
 
 /// Checks `params` and discretises them for steps of `dt_s` seconds. Writes `plant` only if they

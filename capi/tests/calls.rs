@@ -71,7 +71,7 @@ fn snapshot(state: &VoltstepState) -> VoltstepSnapshot {
 #[test]
 fn every_preset_steps_as_the_models_do() {
     for (number, vehicle) in [
-        (VoltstepPreset::BmwI3, &presets::BMW_I3_60AH),
+        (VoltstepPreset::BmwI3Constant, &presets::BMW_I3_60AH_CONSTANT),
         (VoltstepPreset::BmwI3Epowertrain, &presets::BMW_I3_60AH_EPOWERTRAIN),
         (VoltstepPreset::EpowertrainUdds, &presets::EPOWERTRAIN_UDDS),
         (VoltstepPreset::EpowertrainUddsTable, &presets::EPOWERTRAIN_UDDS_TABLE),
@@ -109,7 +109,7 @@ fn every_preset_steps_as_the_models_do() {
 #[test]
 fn without_a_driver_the_inputs_say_the_duty() {
     let driver = VoltstepDriverKind::None as u32;
-    let plant = plant(&VoltstepParams { driver, ..preset(VoltstepPreset::BmwI3) });
+    let plant = plant(&VoltstepParams { driver, ..preset(VoltstepPreset::BmwI3Constant) });
     let mut state = state(&plant, 0.8);
     let input = VoltstepInputs { duty: 0.05, ..inputs(0.0) };
     let out = (0..100).map(|_| step(&plant, &mut state, &input).1).last().unwrap();
@@ -118,7 +118,7 @@ fn without_a_driver_the_inputs_say_the_duty() {
 
 #[test]
 fn a_table_and_a_coast_down_are_taken() {
-    let mut params = preset(VoltstepPreset::BmwI3);
+    let mut params = preset(VoltstepPreset::BmwI3Constant);
     params.battery.open_circuit = VoltstepOpenCircuit::Table as u32;
     for (i, v) in (0_u16..).zip(&mut params.battery.table_v) {
         *v = 343.22 + (399.8 - 343.22) * f32::from(i) / 64.0;
@@ -132,7 +132,7 @@ fn a_table_and_a_coast_down_are_taken() {
 
 #[test]
 fn null_pointers_are_refused() {
-    let params = preset(VoltstepPreset::BmwI3);
+    let params = preset(VoltstepPreset::BmwI3Constant);
     let (mut plant, input) = (plant(&params), inputs(1.0));
     let mut state = state(&plant, 0.8);
     let (plant, state) = (from_mut(&mut plant), from_mut(&mut state));
@@ -165,7 +165,7 @@ fn off<T>(pointer: *mut T) -> *mut T {
 
 #[test]
 fn misaligned_pointers_are_refused() {
-    let mut params = preset(VoltstepPreset::BmwI3);
+    let mut params = preset(VoltstepPreset::BmwI3Constant);
     let (mut plant, mut input) = (plant(&params), inputs(1.0));
     let mut state = state(&plant, 0.8);
     let (params, plant, state, input) =
@@ -195,7 +195,7 @@ fn misaligned_pointers_are_refused() {
 
 #[test]
 fn objects_that_were_not_initialised_or_overlap_are_refused() {
-    let params = preset(VoltstepPreset::BmwI3);
+    let params = preset(VoltstepPreset::BmwI3Constant);
     let mut good = plant(&params);
     let mut fresh_plant = VoltstepPlant { opaque: [MaybeUninit::zeroed(); VOLTSTEP_PLANT_WORDS] };
     let mut fresh_state = VoltstepState { opaque: [MaybeUninit::zeroed(); VOLTSTEP_STATE_WORDS] };
@@ -257,7 +257,7 @@ fn every_bad_parameter_has_a_code_of_its_own() {
             $($({ let mut bad = $from; bad.$group.$field = f32::NAN; refused(bad, DT_S); })+)+
         };
     }
-    let linear = preset(VoltstepPreset::BmwI3);
+    let linear = preset(VoltstepPreset::BmwI3Constant);
     each_nan!(linear:
         battery {
             capacity_ah series_resistance_ohm polarisation_resistance_ohm

@@ -14,6 +14,7 @@ use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::slope::Grade;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use voltstep::read::vehicle::VehicleBattery;
 
 /// A driving cycle: read, or refused with a place.
 pub fn cycle(data: &[u8]) {
@@ -35,7 +36,15 @@ pub fn trip(data: &[u8]) {
 pub fn vehicle(data: &[u8]) {
     if let Ok(vehicle) = voltstep::read::vehicle::parse("fuzz.toml", data) {
         let dt = Dt::from_s(0.001).expect("a sound step");
-        Powertrain::new(vehicle.powertrain, dt).expect("the reader has checked it");
+        let plant = vehicle.powertrain;
+        match plant.battery {
+            VehicleBattery::Constant(battery) => {
+                Powertrain::new(plant.with_battery(battery), dt).expect("checked by the reader");
+            }
+            VehicleBattery::Mapped(battery) => {
+                Powertrain::mapped(plant.with_battery(battery), dt).expect("checked by the reader");
+            }
+        }
     }
 }
 

@@ -16,8 +16,10 @@ pub struct AuxiliaryParams {
     /// Constant power \[W\], ≥ 0.
     pub power_w: Real,
     /// Resistor across the battery \[Ω\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub resistance_ohm: Real,
     /// Below this voltage the constant power is cut out \[V\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub cut_out_v: Real,
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use plant_core::mechanics::body::RoadResistance;
 use serde_json::Value;
 use voltstep::cli::Mode;
-use voltstep::read::vehicle::{self, Vehicle};
+use voltstep::read::vehicle::{self, Vehicle, VehicleBattery};
 use voltstep::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
 use voltstep::simulate::summary::NUMERICAL_WARNING;
 
@@ -182,6 +182,9 @@ fn step_makes_no_difference(path: &Path) {
     assert!((long / short - 1.0).abs() < STEP, "{}: SOC drop {short}, {long}", path.display());
 }
 
+/// The vehicle whose parameters the synthetic trip's differ from.
+const CONSTANT_VEHICLE: &str = "bmw-i3-60ah-constant";
+
 /// The vehicle that made the synthetic trip.
 fn truth() -> Vehicle {
     let path = synthetic().with_extension("truth.toml");
@@ -191,9 +194,10 @@ fn truth() -> Vehicle {
         let value = path.split('.').try_fold(&truth, |table, key| table.get(key));
         value.unwrap_or_else(|| panic!("no {path}")).to_string().parse().unwrap()
     };
-    let mut vehicle = vehicle::load(DEFAULT_VEHICLE).unwrap();
-    vehicle.battery_map = None;
-    let battery = &mut vehicle.powertrain.battery;
+    let mut vehicle = vehicle::load(CONSTANT_VEHICLE).unwrap();
+    let VehicleBattery::Constant(battery) = &mut vehicle.powertrain.battery else {
+        panic!("{CONSTANT_VEHICLE} has a map")
+    };
     battery.capacity_ah = number("battery.capacity_ah");
     battery.series_resistance_ohm = number("battery.series_resistance_ohm");
     let branch = &mut battery.polarisation;
@@ -225,7 +229,7 @@ fn the_true_battery_fits_the_synthetic_trip_and_another_does_not() {
     assert!(error.soc_drop_rel.abs() < TRUE_SOC_DROP, "{error:?}");
     assert!(error.energy_rel.abs() < TRUE_ENERGY, "{error:?}");
 
-    let preset = Vehicle { battery_map: None, ..vehicle::load(DEFAULT_VEHICLE).unwrap() };
+    let preset = vehicle::load(CONSTANT_VEHICLE).unwrap();
     let error = synthetic_with(preset, Mode::Battery).summary.error.unwrap();
     assert!(error.voltage_rmse_v > TRUE_VOLTAGE_RMSE_V, "{error:?}");
     assert!(error.soc_rmse > TRUE_SOC_RMSE && error.soc_drop_rel > TRUE_SOC_DROP, "{error:?}");

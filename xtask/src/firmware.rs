@@ -18,8 +18,11 @@ const FOLDER: &str = "firmware-example";
 const QEMU_RUN: &str = "qemu-run@0.3.1";
 
 /// The vehicles of `sim`, with the features that choose them.
-const VEHICLES: &[(&str, &[&str])] =
-    &[("epowertrain-udds", &[]), ("bmw-i3-60ah", &["--features", "bmw-i3"])];
+const VEHICLES: &[(&str, &[&str])] = &[
+    ("epowertrain-udds", &[]),
+    ("bmw-i3-60ah-constant", &["--features", "bmw-i3-constant"]),
+    ("bmw-i3-60ah", &["--features", "bmw-i3"]),
+];
 
 /// Where the same bits must come out: opt-level, machine, processor.
 const MACHINES: &[(&str, &str, &str)] = &[

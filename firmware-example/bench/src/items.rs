@@ -4,7 +4,8 @@
 
 use plant_core::auxiliary::{Auxiliary, AuxiliaryInput, AuxiliaryOutput};
 use plant_core::battery::{
-    Battery, BatteryInput, BatteryOutput, BatteryState, RcBranch, RcBranchInput, RcBranchOutput,
+    Battery, BatteryInput, BatteryOutput, BatteryState, MappedBattery, MappedBatteryInput,
+    MappedBatteryOutput, MappedBatteryState, RcBranch, RcBranchInput, RcBranchOutput,
     RcBranchState,
 };
 use plant_core::control::driver::{Driver, DriverInput, DriverOutput, DriverState};
@@ -22,7 +23,9 @@ use plant_core::mechanics::wheel::{Wheel, WheelInput, WheelOutput, WheelState};
 use plant_core::must;
 use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
-use plant_core::presets::{BMW_I3_60AH, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS};
+use plant_core::presets::{
+    BMW_I3_60AH, BMW_I3_60AH_CONSTANT, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS,
+};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorOutput, AxialSpeedSensorParams,
     AxialSpeedSensorState, CurrentSensor, CurrentSensorInput, CurrentSensorOutput, SensorParams,
@@ -32,21 +35,22 @@ use plant_core::signal::sources::{
     PhaseState, Sine, SineParams, TimeTable, TimeTableOutput, TimeTableState,
 };
 use voltstep_trace::{
-    BMW_I3, BMW_I3_LEDGER, DT, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, Rig, RigState,
+    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, DT, EPOWERTRAIN,
+    EPOWERTRAIN_LEDGER, REFERENCE, Rig, RigState,
 };
 
 /// A driver and its plant in a closed loop, what the driver sees kept in the state.
 macro_rules! rig {
-    ($name:ident, $rig:expr, $ledger:ty) => {
+    ($name:ident, $rig:expr, $ledger:ty, $battery:ident, $state:ident) => {
         #[doc = concat!("`", stringify!($rig), "`.")]
         #[unsafe(no_mangle)]
         #[inline(never)]
         pub extern "C" fn $name(
-            state: &mut RigState<$ledger>,
+            state: &mut RigState<$ledger, $state>,
             input: &TimeTableOutput,
             _: &mut (),
         ) {
-            const RIG: Rig<$ledger> = $rig;
+            const RIG: Rig<$ledger, $battery> = $rig;
             RIG.step(state, *input);
         }
     };
@@ -70,12 +74,14 @@ macro_rules! model {
 #[inline(never)]
 pub extern "C" fn bench_nothing(_: &mut (), _: &(), _: &mut ()) {}
 
-rig!(bench_plant_pid_off, EPOWERTRAIN, NoLedger);
-rig!(bench_plant_pid_on, EPOWERTRAIN_LEDGER, EnergyLedger);
-rig!(bench_plant_torque_off, BMW_I3, NoLedger);
-rig!(bench_plant_torque_on, BMW_I3_LEDGER, EnergyLedger);
+rig!(bench_plant_pid_off, EPOWERTRAIN, NoLedger, Battery, BatteryState);
+rig!(bench_plant_pid_on, EPOWERTRAIN_LEDGER, EnergyLedger, Battery, BatteryState);
+rig!(bench_plant_torque_off, BMW_I3_CONSTANT, NoLedger, Battery, BatteryState);
+rig!(bench_plant_torque_on, BMW_I3_CONSTANT_LEDGER, EnergyLedger, Battery, BatteryState);
+rig!(bench_plant_mapped_off, BMW_I3, NoLedger, MappedBattery, MappedBatteryState);
+rig!(bench_plant_mapped_on, BMW_I3_LEDGER, EnergyLedger, MappedBattery, MappedBatteryState);
 
-const I3: plant_core::powertrain::PowertrainParams = BMW_I3_60AH.powertrain;
+const I3: plant_core::powertrain::PowertrainParams = BMW_I3_60AH_CONSTANT.powertrain;
 const PID: PidParams = match EPOWERTRAIN_UDDS.driver {
     plant_core::control::driver::DriverParams::Duty(pid) => pid,
     plant_core::control::driver::DriverParams::Torque(_) => PidParams::DEFAULT,
@@ -99,6 +105,14 @@ model!(
     BatteryState,
     BatteryInput,
     BatteryOutput
+);
+model!(
+    bench_mapped_battery,
+    MappedBattery,
+    must!(MappedBattery::new(BMW_I3_60AH.powertrain.battery, DT)),
+    MappedBatteryState,
+    MappedBatteryInput,
+    MappedBatteryOutput
 );
 model!(
     bench_rc_branch,
@@ -163,7 +177,7 @@ model!(bench_pid, Pid, must!(Pid::new(PID, DT)), PidState, PidInput, PidOutput);
 model!(
     bench_torque_driver,
     Driver,
-    must!(Driver::new(BMW_I3_60AH.driver, &I3, DT)),
+    must!(Driver::new(BMW_I3_60AH_CONSTANT.driver, &I3, DT)),
     DriverState,
     DriverInput,
     DriverOutput

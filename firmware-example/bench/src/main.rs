@@ -9,7 +9,9 @@ mod worst;
 use cortex_m_rt::entry;
 use panic_halt as _;
 use plant_core::auxiliary::AuxiliaryInput;
-use plant_core::battery::{BatteryInput, BatteryState, RcBranchInput, RcBranchState};
+use plant_core::battery::{
+    BatteryInput, BatteryState, MappedBatteryInput, RcBranchInput, RcBranchState,
+};
 use plant_core::control::driver::{DriverInput, DriverState};
 use plant_core::control::pid::{PidInput, PidState};
 use plant_core::converter::ConverterInput;
@@ -29,7 +31,8 @@ use plant_core::signal::sensors::{
 use plant_core::signal::sources::{PhaseState, TimeTableState};
 use voltstep_bms::estimate::coulomb::CoulombInput;
 use voltstep_trace::{
-    BLOCKS, BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
+    BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, EPOWERTRAIN,
+    EPOWERTRAIN_LEDGER, REFERENCE, STEPS_PER_BLOCK,
 };
 
 use voltstep_bench::estimators::{self, Estimators};
@@ -57,8 +60,11 @@ fn run() -> Option<()> {
         plant_pid_on,
         plant_torque_off,
         plant_torque_on,
+        plant_mapped_off,
+        plant_mapped_on,
         powertrain,
         battery,
+        mapped_battery,
         rc_branch,
         auxiliary,
         converter,
@@ -96,10 +102,13 @@ fn run() -> Option<()> {
     let mut clock = TimeTableState::default();
     let mut pid_off = EPOWERTRAIN.start().ok()?;
     let mut pid_on = EPOWERTRAIN_LEDGER.start().ok()?;
-    let mut torque_off = BMW_I3.start().ok()?;
-    let mut torque_on = BMW_I3_LEDGER.start().ok()?;
+    let mut torque_off = BMW_I3_CONSTANT.start().ok()?;
+    let mut torque_on = BMW_I3_CONSTANT_LEDGER.start().ok()?;
+    let mut mapped_off = BMW_I3.start().ok()?;
+    let mut mapped_on = BMW_I3_LEDGER.start().ok()?;
     let mut plant = torque_off.plant;
     let mut battery_state = BatteryState::rested(0.9).ok()?;
+    let mut mapped_state = mapped_off.plant.battery;
     let mut rc_state = RcBranchState::default();
     let mut motor_state = DcMotorState::default();
     let (mut gearbox_state, mut wheel_state) = (0.0, 0.0);
@@ -140,6 +149,8 @@ fn run() -> Option<()> {
         call!(torque_driver, items::bench_torque_driver, &mut driver_state, &driven);
         call!(plant_torque_off, items::bench_plant_torque_off, &mut torque_off, &reference);
         call!(plant_torque_on, items::bench_plant_torque_on, &mut torque_on, &reference);
+        call!(plant_mapped_off, items::bench_plant_mapped_off, &mut mapped_off, &reference);
+        call!(plant_mapped_on, items::bench_plant_mapped_on, &mut mapped_on, &reference);
 
         // The components on what the car does.
         let seen = torque_off.seen;
@@ -152,6 +163,8 @@ fn run() -> Option<()> {
         let input = PowertrainInput { duty: seen.duty, ..PowertrainInput::default() };
         call!(powertrain, items::bench_powertrain, &mut plant, &input);
         call!(battery, items::bench_battery, &mut battery_state, &BatteryInput { current_a });
+        let input = MappedBatteryInput { current_a };
+        call!(mapped_battery, items::bench_mapped_battery, &mut mapped_state, &input);
         let input = RcBranchInput { discharge_a: current_a };
         call!(rc_branch, items::bench_rc_branch, &mut rc_state, &input);
         let input = AuxiliaryInput { voltage_v: seen.battery_v, power_w: 100.0 };
@@ -221,11 +234,14 @@ fn run() -> Option<()> {
     worst::plant_pid_on(&mut plant_pid_on)?.say("plant_pid_on");
     worst::plant_torque_off(&mut plant_torque_off)?.say("plant_torque_off");
     worst::plant_torque_on(&mut plant_torque_on)?.say("plant_torque_on");
+    worst::plant_mapped_off(&mut plant_mapped_off)?.say("plant_mapped_off");
+    worst::plant_mapped_on(&mut plant_mapped_on)?.say("plant_mapped_on");
     call_uncounted!(deep, worst::deep as extern "C" fn(&mut (), &(), &mut ()), &mut (), &());
 
     report!(
         deep: (), nothing: (), plant_pid_off: pid_off, plant_pid_on: pid_on, plant_torque_off: torque_off,
-        plant_torque_on: torque_on, powertrain: plant, battery: battery_state,
+        plant_torque_on: torque_on, plant_mapped_off: mapped_off, plant_mapped_on: mapped_on,
+        powertrain: plant, battery: battery_state, mapped_battery: mapped_state,
         rc_branch: rc_state, auxiliary: (), converter: (), dc_motor: motor_state,
         gearbox: gearbox_state, wheel: wheel_state, body: body_state,
         rotational_load: load_state, axis: axis_state, slope: slope_state, pid: pid_state,

@@ -4,20 +4,25 @@
 //!
 //! Steps in which a limit acts are counted, as items of their own; the others are not.
 
+use plant_core::battery::{BatteryState, MappedBatteryState, Pack};
 use plant_core::control::driver::DriverInput;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{Limited, PowertrainInput};
 use plant_core::signal::sources::TimeTableOutput;
-use voltstep_trace::{BMW_I3, BMW_I3_LEDGER, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Rig, RigState};
+use voltstep_trace::{
+    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, EPOWERTRAIN,
+    EPOWERTRAIN_LEDGER, Rig, RigState,
+};
 
 use voltstep_bench::items::{
-    bench_plant_pid_off, bench_plant_pid_on, bench_plant_torque_off, bench_plant_torque_on,
+    bench_plant_mapped_off, bench_plant_mapped_on, bench_plant_pid_off, bench_plant_pid_on,
+    bench_plant_torque_off, bench_plant_torque_on,
 };
 use voltstep_bench::stack::Stack;
 use voltstep_bench::{call, call_uncounted, hprintln};
 
 /// An item that drives a [`Rig`].
-type Item<L> = extern "C" fn(&mut RigState<L>, &TimeTableOutput, &mut ());
+type Item<L, S> = extern "C" fn(&mut RigState<L, S>, &TimeTableOutput, &mut ());
 
 /// Where a stretch starts: state of charge and speed \[m/s\], a reference \[m/s\] that takes turns.
 const STRETCHES: &[(f32, f32, [f32; 2])] = &[
@@ -62,11 +67,11 @@ impl Came {
 }
 
 /// Sends one plant through all stretches. `limited` is another name of `item`.
-fn run<L: Book>(
-    rig: &Rig<L>,
+fn run<L: Book, B: Pack>(
+    rig: &Rig<L, B>,
     stack: &mut Stack,
-    item: Item<L>,
-    mut limited: impl FnMut(&mut Stack, &mut RigState<L>, &TimeTableOutput),
+    item: Item<L, B::State>,
+    mut limited: impl FnMut(&mut Stack, &mut RigState<L, B::State>, &TimeTableOutput),
 ) -> Option<Came> {
     let mut came = Came::default();
     for (soc, speed_m_s, references) in STRETCHES {
@@ -88,9 +93,9 @@ fn run<L: Book>(
 
 /// Makes a step on a copy, to see what it comes to; whether a limit acts.
 #[inline(never)]
-fn look<L: Book>(
-    rig: &Rig<L>,
-    mut state: RigState<L>,
+fn look<L: Book, B: Pack>(
+    rig: &Rig<L, B>,
+    mut state: RigState<L, B::State>,
     reference: &TimeTableOutput,
     came: &mut Came,
 ) -> bool {
@@ -114,7 +119,7 @@ fn look<L: Book>(
 /// Names a plant's item once more, for the plugin: in steps in which a limit acts it is called by
 /// this name, which is one branch more. Then sends the plant through all stretches.
 macro_rules! worst {
-    ($($run:ident: $item:ident, $other:ident, $ledger:ty, $rig:path;)+) => {$(
+    ($($run:ident: $item:ident, $other:ident, $ledger:ty, $battery:ty, $rig:path;)+) => {$(
         core::arch::global_asm!(
             concat!(".global ", stringify!($other)),
             concat!(".type ", stringify!($other), ", %function"),
@@ -126,7 +131,11 @@ macro_rules! worst {
         pub fn $run(stack: &mut Stack) -> Option<Came> {
             #[allow(improper_ctypes, reason = "the types are those of the item")]
             unsafe extern "C" {
-                safe fn $other(state: &mut RigState<$ledger>, input: &TimeTableOutput, out: &mut ());
+                safe fn $other(
+                    state: &mut RigState<$ledger, $battery>,
+                    input: &TimeTableOutput,
+                    out: &mut (),
+                );
             }
             run(&$rig, stack, $item, |stack, state, reference| {
                 call!(stack, $other, state, reference);
@@ -136,10 +145,18 @@ macro_rules! worst {
 }
 
 worst! {
-    plant_pid_off: bench_plant_pid_off, bench_limited_pid_off, NoLedger, EPOWERTRAIN;
-    plant_pid_on: bench_plant_pid_on, bench_limited_pid_on, EnergyLedger, EPOWERTRAIN_LEDGER;
-    plant_torque_off: bench_plant_torque_off, bench_limited_torque_off, NoLedger, BMW_I3;
-    plant_torque_on: bench_plant_torque_on, bench_limited_torque_on, EnergyLedger, BMW_I3_LEDGER;
+    plant_pid_off: bench_plant_pid_off, bench_limited_pid_off,
+        NoLedger, BatteryState, EPOWERTRAIN;
+    plant_pid_on: bench_plant_pid_on, bench_limited_pid_on,
+        EnergyLedger, BatteryState, EPOWERTRAIN_LEDGER;
+    plant_torque_off: bench_plant_torque_off, bench_limited_torque_off,
+        NoLedger, BatteryState, BMW_I3_CONSTANT;
+    plant_torque_on: bench_plant_torque_on, bench_limited_torque_on,
+        EnergyLedger, BatteryState, BMW_I3_CONSTANT_LEDGER;
+    plant_mapped_off: bench_plant_mapped_off, bench_limited_mapped_off,
+        NoLedger, MappedBatteryState, BMW_I3;
+    plant_mapped_on: bench_plant_mapped_on, bench_limited_mapped_on,
+        EnergyLedger, MappedBatteryState, BMW_I3_LEDGER;
 }
 
 /// Uses 256 bytes of stack and more: the report has to show them.

@@ -23,9 +23,9 @@ use stm32f4xx_hal::pac::{self, ADC1, TIM2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::timer::CounterUs;
-use voltstep_trace::{BMW_I3, Rig, RigState};
+use voltstep_trace::{BMW_I3_CONSTANT, Rig, RigState};
 
-const RIG: Rig<NoLedger> = BMW_I3;
+const RIG: Rig<NoLedger> = BMW_I3_CONSTANT;
 const PEDAL_FULL_M_S: f32 = 30.0;
 const METER_FULL_M_S: f32 = 40.0;
 const ADC_FULL: f32 = 4095.0;

@@ -13,7 +13,7 @@ use cortex_m_rt::entry;
 use defmt_semihosting as _;
 use panic_halt as _;
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
-use plant_core::presets::BMW_I3_60AH;
+use plant_core::presets::BMW_I3_60AH_CONSTANT;
 use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
@@ -22,7 +22,7 @@ use semihosting::process::ExitCode;
 
 const DT: Dt = must!(Dt::from_s(0.01));
 const STEPS_PER_S: u32 = 100;
-const MODEL_PARAMS: BatteryParams = BMW_I3_60AH.powertrain.battery;
+const MODEL_PARAMS: BatteryParams = BMW_I3_60AH_CONSTANT.powertrain.battery;
 const MODEL: Battery = must!(Battery::new(MODEL_PARAMS, DT));
 
 /// The pack itself.

@@ -17,21 +17,23 @@ use defmt_semihosting as _;
 use panic_halt as _;
 use plant_core::powertrain::ledger::NoLedger;
 use semihosting::process::ExitCode;
-use voltstep_trace::{Monitor, Rig, Run};
+use voltstep_trace::Run;
 
-/// The vehicle, checked and discretised by the compiler.
-#[cfg(not(feature = "bmw-i3"))]
-const RIG: Rig<NoLedger> = voltstep_trace::EPOWERTRAIN;
+// The vehicle, checked and discretised by the compiler, and the estimators of its battery.
 #[cfg(feature = "bmw-i3")]
-const RIG: Rig<NoLedger> = voltstep_trace::BMW_I3;
-/// The estimators of its battery.
+use voltstep_trace::{BMW_I3 as RIG, BMW_I3_MONITOR as MONITOR};
+#[cfg(feature = "bmw-i3-constant")]
+use voltstep_trace::{BMW_I3_CONSTANT as RIG, BMW_I3_CONSTANT_MONITOR as MONITOR};
+#[cfg(not(any(feature = "bmw-i3", feature = "bmw-i3-constant")))]
+use voltstep_trace::{EPOWERTRAIN as RIG, EPOWERTRAIN_MONITOR as MONITOR};
+
 #[cfg(not(feature = "bmw-i3"))]
-const MONITOR: Monitor = voltstep_trace::EPOWERTRAIN_MONITOR;
+use plant_core::battery::BatteryState;
 #[cfg(feature = "bmw-i3")]
-const MONITOR: Monitor = voltstep_trace::BMW_I3_MONITOR;
+use plant_core::battery::MappedBatteryState as BatteryState;
 
 /// The loop, between the interrupt and `main`.
-static RUN: Mutex<RefCell<Option<Run<NoLedger>>>> = Mutex::new(RefCell::new(None));
+static RUN: Mutex<RefCell<Option<Run<NoLedger, BatteryState>>>> = Mutex::new(RefCell::new(None));
 
 /// The block whose frames are shown.
 const SHOWN: Option<&str> = option_env!("VOLTSTEP_BLOCK");
@@ -83,7 +85,7 @@ fn SysTick() {
             let (step, block) = (run.steps(), run.steps() / voltstep_trace::STEPS_PER_BLOCK);
             let frame = run.step(&RIG, &MONITOR);
             if SHOWN.is_some_and(|shown| shown.parse() == Ok(block)) {
-                defmt::trace!("frame {=u32} {:08x}", step, frame.0.as_slice());
+                defmt::trace!("frame {=u32} {:08x}", step, frame.words());
             }
             if run.block_completed().is_none() {
                 SCB::set_pendst();

@@ -3,20 +3,23 @@
 //! One vehicle with its driver, driven along UDDS at 1 kHz, the estimators of its battery beside it,
 //! and a hash of every bit of their state after every step. The same code runs in the firmware and in a test on the host.
 
+mod frame;
 mod hash;
 mod monitor;
 mod rig;
 mod run;
 
+pub use frame::{Frame, Words};
 pub use hash::Fnv1a;
 pub use monitor::{Monitor, MonitorState};
-pub use rig::{Frame, Rig, RigState};
+pub use rig::{Rig, RigState};
 pub use run::Run;
 
 use plant_core::Dt;
+use plant_core::battery::{MappedBattery, MappedBatteryParams};
 use plant_core::must;
 use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
-use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
+use plant_core::presets::{BMW_I3_60AH, BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS};
 use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams};
 
 /// The step.
@@ -41,12 +44,23 @@ pub const EPOWERTRAIN: Rig<NoLedger> = must!(Rig::new(&EPOWERTRAIN_UDDS, DT));
 /// The same with its energy ledger.
 pub const EPOWERTRAIN_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&EPOWERTRAIN_UDDS, DT));
 /// A physical car, driven by torque, with brake blending and a lossy converter.
-pub const BMW_I3: Rig<NoLedger> = must!(Rig::new(&BMW_I3_60AH, DT));
+pub const BMW_I3: Rig<NoLedger, MappedBattery> = must!(Rig::mapped(&BMW_I3_60AH, DT));
 /// The same with its energy ledger.
-pub const BMW_I3_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&BMW_I3_60AH, DT));
+pub const BMW_I3_LEDGER: Rig<EnergyLedger, MappedBattery> =
+    must!(Rig::mapped_with_ledger(&BMW_I3_60AH, DT));
+/// The same car with a battery of constant parameters.
+pub const BMW_I3_CONSTANT: Rig<NoLedger> = must!(Rig::new(&BMW_I3_60AH_CONSTANT, DT));
+/// The same with its energy ledger.
+pub const BMW_I3_CONSTANT_LEDGER: Rig<EnergyLedger> =
+    must!(Rig::with_ledger(&BMW_I3_60AH_CONSTANT, DT));
 
 /// The estimators of the first's battery. Apart from the plant, whose coefficients are few.
 pub const EPOWERTRAIN_MONITOR: Monitor =
-    must!(Monitor::new(EPOWERTRAIN_UDDS.powertrain.battery, 550.0));
+    must!(Monitor::new(MappedBatteryParams::constant(EPOWERTRAIN_UDDS.powertrain.battery), 550.0));
 /// Those of the car's.
 pub const BMW_I3_MONITOR: Monitor = must!(Monitor::new(BMW_I3_60AH.powertrain.battery, 370.0));
+/// Those of its battery of constant parameters.
+pub const BMW_I3_CONSTANT_MONITOR: Monitor = must!(Monitor::new(
+    MappedBatteryParams::constant(BMW_I3_60AH_CONSTANT.powertrain.battery),
+    370.0
+));

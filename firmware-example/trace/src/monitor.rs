@@ -2,7 +2,7 @@
 //! estimators work on what they show.
 
 use plant_core::ParamError;
-use plant_core::battery::{BatteryParams, MappedBatteryParams};
+use plant_core::battery::MappedBatteryParams;
 use plant_core::powertrain::PowertrainOutput;
 use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
@@ -59,13 +59,13 @@ pub struct MonitorState {
 }
 
 impl Monitor {
-    /// Estimators for a battery with constant parameters.
+    /// Estimators for a battery.
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(battery: BatteryParams, nominal_v: f32) -> Result<Self, ParamError> {
+    pub const fn new(battery: MappedBatteryParams, nominal_v: f32) -> Result<Self, ParamError> {
         let known = Uncertainty::typical(nominal_v, battery.capacity_ah);
-        let params = EkfParams::typical(MappedBatteryParams::constant(battery), nominal_v);
+        let params = EkfParams::typical(battery, nominal_v);
         let ekf = match Ekf::new(params, SAMPLE) {
             Ok(ekf) => ekf,
             Err(error) => return Err(error),

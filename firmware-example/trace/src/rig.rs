@@ -1,19 +1,19 @@
 //! A vehicle with its driver in a closed loop.
 
+use plant_core::battery::{Battery, BatteryState, MappedBattery, MappedBatteryParams, Pack};
 use plant_core::control::driver::{Driver, DriverInput, DriverState};
 use plant_core::powertrain::Feedback;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
 use plant_core::presets::Vehicle;
 use plant_core::signal::sources::TimeTableOutput;
-use plant_core::{Accum, Dt, ParamError};
-use voltstep_bms::estimate::ekf::EkfState;
+use plant_core::{Dt, ParamError};
 
 /// A plant and who drives it.
 #[derive(Clone, Copy, Debug)]
-pub struct Rig<L> {
+pub struct Rig<L, B = Battery> {
     /// The plant.
-    pub plant: Powertrain<L>,
+    pub plant: Powertrain<L, B>,
     /// The driver.
     pub driver: Driver,
     initial_soc: f32,
@@ -21,9 +21,9 @@ pub struct Rig<L> {
 
 /// What a [`Rig`] remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigState<L> {
+pub struct RigState<L, S = BatteryState> {
     /// The plant.
-    pub plant: PowertrainState<L>,
+    pub plant: PowertrainState<L, S>,
     /// The driver.
     pub driver: DriverState,
     /// What the driver sees: the end of the last step.
@@ -56,8 +56,44 @@ impl Rig<EnergyLedger> {
     }
 }
 
-impl<L: Copy> Rig<L> {
-    const fn driven(plant: Powertrain<L>, vehicle: &Vehicle, dt: Dt) -> Result<Self, ParamError> {
+impl Rig<NoLedger, MappedBattery> {
+    /// The same with a battery whose parameters depend on state of charge and temperature.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn mapped(
+        vehicle: &Vehicle<MappedBatteryParams>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        match Powertrain::mapped(vehicle.powertrain, dt) {
+            Ok(plant) => Self::driven(plant, vehicle, dt),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl Rig<EnergyLedger, MappedBattery> {
+    /// The same, with an energy ledger.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn mapped_with_ledger(
+        vehicle: &Vehicle<MappedBatteryParams>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        match Powertrain::mapped_with_ledger(vehicle.powertrain, dt) {
+            Ok(plant) => Self::driven(plant, vehicle, dt),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl<L: Copy, B: Copy> Rig<L, B> {
+    const fn driven<P>(
+        plant: Powertrain<L, B>,
+        vehicle: &Vehicle<P>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
         match Driver::new(vehicle.driver, &vehicle.powertrain, dt) {
             Ok(driver) => Ok(Self { plant, driver, initial_soc: vehicle.initial_soc }),
             Err(error) => Err(error),
@@ -65,7 +101,7 @@ impl<L: Copy> Rig<L> {
     }
 }
 
-impl<L: Book> Rig<L> {
+impl<L: Book, B: Pack> Rig<L, B> {
     /// The state of charge at the start.
     #[must_use]
     pub const fn initial_soc(&self) -> f32 {
@@ -76,7 +112,7 @@ impl<L: Book> Rig<L> {
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] where that is none.
-    pub fn start(&self) -> Result<RigState<L>, ParamError> {
+    pub fn start(&self) -> Result<RigState<L, B::State>, ParamError> {
         let plant = self.plant.at_rest(self.initial_soc)?;
         let seen = self.plant.feedback(&plant);
         Ok(RigState { plant, driver: DriverState::default(), seen })
@@ -84,7 +120,11 @@ impl<L: Book> Rig<L> {
 
     /// One step of driver and plant, and what the plant says of it.
     #[inline(always)]
-    pub fn step(&self, state: &mut RigState<L>, reference: TimeTableOutput) -> PowertrainOutput {
+    pub fn step(
+        &self,
+        state: &mut RigState<L, B::State>,
+        reference: TimeTableOutput,
+    ) -> PowertrainOutput {
         let command = self.driver.step(
             &mut state.driver,
             DriverInput {
@@ -99,74 +139,4 @@ impl<L: Book> Rig<L> {
         state.seen = Feedback::from(&out);
         out
     }
-}
-
-/// Every bit that a step leaves behind, in the plant and in the estimators beside it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Frame(pub [u32; Self::FIELDS.len()]);
-
-impl Frame {
-    /// The first of them are the plant's.
-    pub const PLANT: usize = 12;
-    /// What the words of a frame are. `lost` is what a compensated sum holds back.
-    pub const FIELDS: [&'static str; 19] = [
-        "current_a",
-        "current_a.lost",
-        "speed_m_s",
-        "speed_m_s.lost",
-        "distance_m",
-        "distance_m.lost",
-        "soc",
-        "soc.lost",
-        "rc_v",
-        "rc_v.lost",
-        "battery_v",
-        "duty",
-        "ekf.soc",
-        "ekf.polarisation_v",
-        "ekf.error_v",
-        "ekf.own_variance",
-        "ekf.shared_per_v",
-        "ekf.error_variance_v2",
-        "counter.soc",
-    ];
-
-    /// The words of a plant.
-    #[must_use]
-    pub fn plant<L>(state: &RigState<L>) -> [u32; Self::PLANT] {
-        let RigState { plant, seen, .. } = state;
-        let [i, i_lost] = words(plant.current_a);
-        let [v, v_lost] = words(plant.body.speed_m_s);
-        let [x, x_lost] = words(plant.body.distance_m);
-        let [soc, soc_lost] = words(plant.battery.soc);
-        let [rc, rc_lost] = words(plant.battery.rc.voltage_v);
-        let (battery_v, duty) = (plant.battery_v.to_bits(), seen.duty.to_bits());
-        [i, i_lost, v, v_lost, x, x_lost, soc, soc_lost, rc, rc_lost, battery_v, duty]
-    }
-
-    /// The words of a plant, and of what is estimated of it.
-    #[must_use]
-    pub fn of<L>(state: &RigState<L>, ekf: &EkfState, counted_soc: f32) -> Self {
-        let [polarisation_v, _] = ekf.polarisation_v;
-        let estimators = [
-            ekf.soc().to_bits(),
-            polarisation_v.to_bits(),
-            ekf.error_v.to_bits(),
-            ekf.own_variance.to_bits(),
-            ekf.shared_per_v.to_bits(),
-            ekf.error_variance_v2.to_bits(),
-            counted_soc.to_bits(),
-        ];
-        let mut frame = [0; Self::FIELDS.len()];
-        let words = Self::plant(state).into_iter().chain(estimators);
-        for (place, word) in frame.iter_mut().zip(words) {
-            *place = word;
-        }
-        Self(frame)
-    }
-}
-
-/// The value of a compensated sum and, exactly, what it holds back.
-fn words(sum: Accum) -> [u32; 2] {
-    [sum.get().to_bits(), sum.since(Accum::new(sum.get())).to_bits()]
 }

@@ -1,17 +1,18 @@
 //! A vehicle on its way along the cycle.
 
 use plant_core::ParamError;
+use plant_core::battery::{BatteryState, Pack};
 use plant_core::powertrain::ledger::Book;
 use plant_core::signal::sources::TimeTableState;
 
 use crate::monitor::{Monitor, MonitorState};
-use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK};
+use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK, Words};
 
 /// A vehicle on its way along the cycle, and the hash of all that was.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<L> {
+pub struct Run<L, S = BatteryState> {
     /// Where it is.
-    pub state: RigState<L>,
+    pub state: RigState<L, S>,
     /// What its estimators believe.
     pub monitor: MonitorState,
     clock: TimeTableState,
@@ -21,12 +22,12 @@ pub struct Run<L> {
     rejected: bool,
 }
 
-impl<L: Book> Run<L> {
+impl<L: Book, S: Words> Run<L, S> {
     /// At the start of the cycle.
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] for a vehicle whose state of charge is none.
-    pub fn new(rig: &Rig<L>, monitor: &Monitor) -> Result<Self, ParamError> {
+    pub fn new<B: Pack<State = S>>(rig: &Rig<L, B>, monitor: &Monitor) -> Result<Self, ParamError> {
         let state = rig.start()?;
         let monitor = monitor.start(rig.initial_soc())?;
         let (clock, hash) = (TimeTableState::default(), Fnv1a::default());
@@ -35,7 +36,7 @@ impl<L: Book> Run<L> {
 
     /// One step: reference, driver, plant, estimators, hash. What it left behind.
     #[inline]
-    pub fn step(&mut self, rig: &Rig<L>, monitor: &Monitor) -> Frame {
+    pub fn step<B: Pack<State = S>>(&mut self, rig: &Rig<L, B>, monitor: &Monitor) -> Frame {
         let reference = REFERENCE.step(&mut self.clock, ());
         let pack = rig.step(&mut self.state, reference);
         self.rejected |= pack.rejected;
@@ -43,7 +44,7 @@ impl<L: Book> Run<L> {
         self.steps += 1;
         let counted_soc = monitor.counter.soc(&self.monitor.counter);
         let frame = Frame::of(&self.state, &self.monitor.ekf, counted_soc);
-        let (plant, estimators) = frame.0.split_at(Frame::PLANT);
+        let (plant, estimators) = frame.parts();
         for word in plant {
             self.hash.word(*word);
         }

@@ -115,7 +115,7 @@ fn row(
         .with_context(|| format!("{} in {name} mode", trip.name))?;
     let summary = replay.summary;
     let error = summary.error.context("no comparison")?;
-    let unfit = trip.unfit(f64::from(vehicle.capacity_ah()));
+    let unfit = trip.unfit(f64::from(vehicle.powertrain.battery.capacity_ah()));
     let mut notes = summary.notes;
     if !unfit.is_empty() {
         notes.push("left out of the summary".to_owned());

@@ -2,24 +2,22 @@
 //!
 //! `data/batteries/*.toml` are the examples; `voltstep identify battery` writes such files.
 
-use std::path::Path;
-
 use plant_core::battery::{MappedBattery, MappedBatteryParams};
-use plant_core::{Dt, must};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::read::error::{self, InputError, listed, nearest, shown};
-use crate::read::vehicle::document::Document;
+use crate::read::builtin::BuiltIn;
+use crate::read::document::{CHECK_DT, Document};
+use crate::read::error::InputError;
 
-/// The step for which parameters are checked; which are sound does not depend on it.
-const CHECK_DT: Dt = must!(Dt::from_s(0.001));
-
-/// Every built-in battery: its name and its file.
-const BUILT_IN: [(&str, &str); 2] = [
-    ("bmw-i3-60ah", include_str!("../../data/batteries/bmw-i3-60ah.toml")),
-    ("panasonic-ncr18650pf", include_str!("../../data/batteries/panasonic-ncr18650pf.toml")),
-];
+/// Every built-in battery.
+const BUILT_IN: BuiltIn = BuiltIn {
+    kind: "battery",
+    files: &[
+        ("bmw-i3-60ah", include_str!("../../data/batteries/bmw-i3-60ah.toml")),
+        ("panasonic-ncr18650pf", include_str!("../../data/batteries/panasonic-ncr18650pf.toml")),
+    ],
+};
 
 /// A battery and where it comes from; its parameters are sound.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,13 +60,13 @@ struct Fit {
 
 /// The names of the built-in batteries.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    BUILT_IN.iter().map(|(name, _)| *name)
+    BUILT_IN.names()
 }
 
 /// The built-in batteries.
 #[must_use]
 pub fn builtin() -> Vec<BatteryFile> {
-    BUILT_IN.iter().filter_map(|(name, text)| parse(name, text.as_bytes()).ok()).collect()
+    BUILT_IN.all(parse)
 }
 
 /// A built-in battery by its name, or one from a file: a path that ends in `.toml` or names a
@@ -77,22 +75,7 @@ pub fn builtin() -> Vec<BatteryFile> {
 /// # Errors
 /// [`InputError`] says what is wrong and where.
 pub fn load(name_or_path: &str) -> Result<BatteryFile, InputError> {
-    if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_path) {
-        return parse(name, text.as_bytes());
-    }
-    let path = Path::new(name_or_path);
-    let is_path = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
-        || name_or_path.contains(std::path::is_separator);
-    if is_path {
-        return parse(name_or_path, &error::read(path)?);
-    }
-    let near = nearest(name_or_path, names())
-        .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-    let message = format!(
-        "no such battery{near} (built in: {}; or the path of a .toml file)",
-        listed(names())
-    );
-    Err(InputError::of_file(&shown(name_or_path), message))
+    BUILT_IN.load(name_or_path, parse)
 }
 
 /// A battery from the bytes of a file; `file` is for messages.
@@ -133,7 +116,7 @@ mod tests {
 
     #[test]
     fn says_where_a_file_is_wrong() {
-        let (_, text) = BUILT_IN[1];
+        let (_, text) = BUILT_IN.files[1];
         let line_of = |key: &str| text.lines().find(|l| l.starts_with(key)).unwrap();
         for (from, to, message) in [
             (

@@ -3,13 +3,13 @@
 //! A file says what `plant_core::presets` says as constants: `data/vehicles/*.toml` are the
 //! examples. Whatever is wrong in one is reported with its line and column.
 
-pub(crate) mod document;
-mod fault;
 #[cfg(test)]
 mod tests;
 
+use std::fmt;
 use std::path::Path;
 
+use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, MappedBatteryParams};
 use plant_core::control::driver::{Driver, DriverParams};
@@ -19,23 +19,50 @@ use plant_core::mechanics::body::BodyParams;
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::powertrain::{Powertrain, PowertrainParams};
-use plant_core::{Dt, ParamError, must};
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, de};
 
 use crate::read::battery;
-use crate::read::error::{self, InputError, listed, nearest, shown};
-use document::Document;
+use crate::read::builtin::{BuiltIn, is_toml};
+use crate::read::document::{CHECK_DT, Document};
+use crate::read::error::InputError;
 
-/// The step for which parameters are checked; which are sound does not depend on it.
-const CHECK_DT: Dt = must!(Dt::from_s(0.001));
+/// Every built-in vehicle.
+const BUILT_IN: BuiltIn = BuiltIn {
+    kind: "vehicle",
+    files: &[
+        ("bmw-i3-60ah", include_str!("../../data/vehicles/bmw-i3-60ah.toml")),
+        ("bmw-i3-60ah-constant", include_str!("../../data/vehicles/bmw-i3-60ah-constant.toml")),
+        (
+            "bmw-i3-60ah-epowertrain",
+            include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml"),
+        ),
+        ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
+        ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
+    ],
+};
 
-/// Every built-in vehicle: its name and its file.
-const BUILT_IN: [(&str, &str); 4] = [
-    ("bmw-i3-60ah", include_str!("../../data/vehicles/bmw-i3-60ah.toml")),
-    ("bmw-i3-60ah-epowertrain", include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml")),
-    ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
-    ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
-];
+/// A vehicle's battery, as either model takes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one per vehicle")]
+pub enum VehicleBattery {
+    /// Parameters that are constant.
+    Constant(BatteryParams),
+    /// Parameters over state of charge and temperature.
+    Mapped(MappedBatteryParams),
+}
+
+impl VehicleBattery {
+    /// Charge that it holds \[A·h\].
+    #[must_use]
+    pub const fn capacity_ah(&self) -> f32 {
+        match self {
+            Self::Constant(battery) => battery.capacity_ah,
+            Self::Mapped(battery) => battery.capacity_ah,
+        }
+    }
+}
 
 /// A vehicle with its driver; its parameters are sound.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,19 +76,9 @@ pub struct Vehicle {
     /// State of charge at the start of a cycle, 0..1.
     pub initial_soc: f32,
     /// The plant.
-    pub powertrain: PowertrainParams,
-    /// The battery that takes the place of the plant's constant one.
-    pub battery_map: Option<MappedBatteryParams>,
+    pub powertrain: PowertrainParams<VehicleBattery>,
     /// Who drives it.
     pub driver: DriverParams,
-}
-
-impl Vehicle {
-    /// Charge that its battery holds \[A·h\].
-    #[must_use]
-    pub fn capacity_ah(&self) -> f32 {
-        self.battery_map.map_or(self.powertrain.battery.capacity_ah, |map| map.capacity_ah)
-    }
 }
 
 /// A vehicle as its file is laid out.
@@ -72,9 +89,7 @@ struct VehicleFile {
     description: String,
     source: String,
     initial_soc: f32,
-    #[serde(default)]
-    battery_map: Option<String>,
-    battery: BatteryParams,
+    battery: BatteryField,
     #[serde(default)]
     auxiliary: AuxiliaryParams,
     #[serde(default)]
@@ -86,37 +101,48 @@ struct VehicleFile {
     driver: DriverParams,
 }
 
-impl From<VehicleFile> for Vehicle {
-    fn from(file: VehicleFile) -> Self {
-        Self {
-            name: file.name,
-            description: file.description,
-            source: file.source,
-            initial_soc: file.initial_soc,
-            powertrain: PowertrainParams {
-                battery: file.battery,
-                auxiliary: file.auxiliary,
-                converter: file.converter,
-                motor: file.motor,
-                gearbox: file.gearbox,
-                wheel: file.wheel,
-                body: file.body,
-            },
-            battery_map: None,
-            driver: file.driver,
-        }
+/// Which battery a vehicle's file says it has.
+enum BatteryField {
+    /// A built-in one, or a file beside the vehicle's.
+    Named(String),
+    /// The parameters themselves.
+    Inline(BatteryParams),
+}
+
+impl<'de> Deserialize<'de> for BatteryField {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(BatteryVisitor)
+    }
+}
+
+/// As an untagged variant, but a fault inside the table keeps its place.
+struct BatteryVisitor;
+
+impl<'de> Visitor<'de> for BatteryVisitor {
+    type Value = BatteryField;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of a battery, a .toml file or a table")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<BatteryField, E> {
+        Ok(BatteryField::Named(name.to_owned()))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<BatteryField, A::Error> {
+        BatteryParams::deserialize(MapAccessDeserializer::new(table)).map(BatteryField::Inline)
     }
 }
 
 /// The names of the built-in vehicles.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    BUILT_IN.iter().map(|(name, _)| *name)
+    BUILT_IN.names()
 }
 
 /// The built-in vehicles.
 #[must_use]
 pub fn builtin() -> Vec<Vehicle> {
-    BUILT_IN.iter().filter_map(|(name, text)| parse(name, text.as_bytes()).ok()).collect()
+    BUILT_IN.all(parse)
 }
 
 /// A built-in vehicle by its name, or one from a file: a path that ends in `.toml` or names a
@@ -125,22 +151,7 @@ pub fn builtin() -> Vec<Vehicle> {
 /// # Errors
 /// [`InputError`] says what is wrong and where.
 pub fn load(name_or_path: &str) -> Result<Vehicle, InputError> {
-    if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_path) {
-        return parse(name, text.as_bytes());
-    }
-    let path = Path::new(name_or_path);
-    let is_path = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
-        || name_or_path.contains(std::path::is_separator);
-    if is_path {
-        return parse(name_or_path, &error::read(path)?);
-    }
-    let near = nearest(name_or_path, names())
-        .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-    let message = format!(
-        "no such vehicle{near} (built in: {}; or the path of a .toml file)",
-        listed(names())
-    );
-    Err(InputError::of_file(&shown(name_or_path), message))
+    BUILT_IN.load(name_or_path, parse)
 }
 
 /// A vehicle from the bytes of a file; `file` is for messages.
@@ -150,15 +161,25 @@ pub fn load(name_or_path: &str) -> Result<Vehicle, InputError> {
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     let document = Document::parse(file, bytes)?;
     let content = document.read::<VehicleFile>()?;
-    let battery_map = content.battery_map.as_deref().map(|name| mapped(file, name)).transpose();
-    let battery_map = battery_map.map_err(|error| {
-        let place = document.refusal("battery_map", "cannot be used");
-        InputError { message: format!("{}: {error}", place.message), ..place }
-    })?;
-    let vehicle = Vehicle { battery_map, ..Vehicle::from(content) };
-    if !(0.0..=1.0).contains(&vehicle.initial_soc) {
+    if !(0.0..=1.0).contains(&content.initial_soc) {
         return Err(document.refusal("initial_soc", "must lie in 0..1"));
     }
+    let vehicle = Vehicle {
+        name: content.name,
+        description: content.description,
+        source: content.source,
+        initial_soc: content.initial_soc,
+        powertrain: PowertrainParams {
+            battery: chosen(&document, file, content.battery)?,
+            auxiliary: content.auxiliary,
+            converter: content.converter,
+            motor: content.motor,
+            gearbox: content.gearbox,
+            wheel: content.wheel,
+            body: content.body,
+        },
+        driver: content.driver,
+    };
     check(&vehicle).map_err(|error| {
         let field = in_file(&document, error.field());
         document.refusal(&field, error.message())
@@ -166,19 +187,39 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     Ok(vehicle)
 }
 
-/// The battery that a vehicle's file names: built in, or a file beside it.
-fn mapped(vehicle_file: &str, name: &str) -> Result<MappedBatteryParams, InputError> {
-    let beside = Path::new(vehicle_file).with_file_name(name);
-    let is_file = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    let found =
-        if is_file { battery::load(&beside.to_string_lossy())? } else { battery::load(name)? };
-    Ok(found.battery)
+/// The battery that a vehicle's file says it has.
+fn chosen(
+    document: &Document<'_>,
+    vehicle_file: &str,
+    field: BatteryField,
+) -> Result<VehicleBattery, InputError> {
+    let name = match field {
+        BatteryField::Inline(battery) => return Ok(VehicleBattery::Constant(battery)),
+        BatteryField::Named(name) => name,
+    };
+    let found = if is_toml(&name) {
+        battery::load(&Path::new(vehicle_file).with_file_name(name).to_string_lossy())
+    } else {
+        battery::load(&name)
+    };
+    found.map(|found| VehicleBattery::Mapped(found.battery)).map_err(|error| {
+        let place = document.refusal("battery", "cannot be used");
+        InputError { message: format!("{}: {error}", place.message), ..place }
+    })
 }
 
 /// Whether the models take the parameters.
 fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
-    Powertrain::new(vehicle.powertrain, CHECK_DT)?;
-    Driver::new(vehicle.driver, &vehicle.powertrain, CHECK_DT)?;
+    let plant = vehicle.powertrain;
+    match plant.battery {
+        VehicleBattery::Constant(battery) => {
+            Powertrain::new(plant.with_battery(battery), CHECK_DT)?;
+        }
+        VehicleBattery::Mapped(battery) => {
+            Powertrain::mapped(plant.with_battery(battery), CHECK_DT)?;
+        }
+    }
+    Driver::new(vehicle.driver, &plant, CHECK_DT)?;
     Ok(())
 }
 

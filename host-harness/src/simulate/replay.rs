@@ -178,7 +178,7 @@ pub fn of_trip(
             .map(|_| summary.figures.battery_energy_kwh * 1000.0 / measured.distance_km);
     }
     summary.notes.extend(trip.notes.iter().cloned());
-    summary.notes.extend(trip.quirks(f64::from(vehicle.capacity_ah())));
+    summary.notes.extend(trip.quirks(f64::from(vehicle.powertrain.battery.capacity_ah())));
     summary.measured = Some(measured);
     summary.error = Some(deviation);
     Ok(Replay { summary, run, trip: Some(trip) })

@@ -13,7 +13,7 @@ use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainState};
 use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams, TimeTableState};
 use plant_core::{Dt, num};
 
-use crate::read::vehicle::Vehicle;
+use crate::read::vehicle::{Vehicle, VehicleBattery};
 use crate::simulate::route::{Route, Row};
 
 /// A run that takes longer than this shows its progress on a terminal.
@@ -159,14 +159,18 @@ pub fn vehicle(
     let dt = Dt::from_s(dt_s as f32)?;
     let drive = Drive { vehicle, route, start_soc, dt, dt_s, show_progress };
     let params = vehicle.powertrain;
-    match (vehicle.battery_map, ledger) {
-        (None, false) => Ok(drive.along(&Powertrain::new(params, dt)?)?.0),
-        (None, true) => drive.with_ledger(&Powertrain::with_ledger(params, dt)?),
-        (Some(map), false) => {
-            Ok(drive.along(&Powertrain::mapped(params.with_battery(map), dt)?)?.0)
+    match (params.battery, ledger) {
+        (VehicleBattery::Constant(battery), false) => {
+            Ok(drive.along(&Powertrain::new(params.with_battery(battery), dt)?)?.0)
         }
-        (Some(map), true) => {
-            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(map), dt)?)
+        (VehicleBattery::Constant(battery), true) => {
+            drive.with_ledger(&Powertrain::with_ledger(params.with_battery(battery), dt)?)
+        }
+        (VehicleBattery::Mapped(battery), false) => {
+            Ok(drive.along(&Powertrain::mapped(params.with_battery(battery), dt)?)?.0)
+        }
+        (VehicleBattery::Mapped(battery), true) => {
+            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(battery), dt)?)
         }
     }
 }
@@ -388,12 +392,13 @@ pub fn battery(
 ) -> anyhow::Result<Run> {
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     let dt = Dt::from_s(dt_s as f32)?;
-    match vehicle.battery_map {
-        None => {
-            let battery = Battery::new(vehicle.powertrain.battery, dt)?;
-            alone(&battery, load, start_soc, dt_s, dt, show_progress)
+    match vehicle.powertrain.battery {
+        VehicleBattery::Constant(battery) => {
+            alone(&Battery::new(battery, dt)?, load, start_soc, dt_s, dt, show_progress)
         }
-        Some(map) => alone(&MappedBattery::new(map, dt)?, load, start_soc, dt_s, dt, show_progress),
+        VehicleBattery::Mapped(battery) => {
+            alone(&MappedBattery::new(battery, dt)?, load, start_soc, dt_s, dt, show_progress)
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::slope::Grade;
 use plant_core::num::sin_cos_turns;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams};
-use plant_core::presets::BMW_I3_60AH;
+use plant_core::presets::BMW_I3_60AH_CONSTANT;
 use plant_core::signal::sensors::{
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
 };
@@ -43,7 +43,7 @@ pub const TRUTH: PowertrainParams = PowertrainParams {
         capacity_ah: 61.2,
         series_resistance_ohm: 0.095,
         polarisation: RcBranchParams { resistance_ohm: 0.03, capacitance_f: 1500.0 },
-        ..BMW_I3_60AH.powertrain.battery
+        ..BMW_I3_60AH_CONSTANT.powertrain.battery
     },
     body: BodyParams {
         mass_kg: 1560.0,
@@ -54,7 +54,7 @@ pub const TRUTH: PowertrainParams = PowertrainParams {
             rolling_coefficient: 0.0142,
         },
     },
-    ..BMW_I3_60AH.powertrain
+    ..BMW_I3_60AH_CONSTANT.powertrain
 };
 
 /// What is recorded of one quantity.
@@ -155,7 +155,7 @@ pub fn trip_csv() -> Vec<u8> {
 /// The true parameters, the noise and the seed, as TOML.
 #[must_use]
 pub fn truth_toml() -> String {
-    let head = "# The true parameters of synthetic.csv: vehicle `bmw-i3-60ah`, but for what is below.\n\
+    let head = "# The true parameters of synthetic.csv: vehicle `bmw-i3-60ah-constant`, but for what is below.\n\
                       # Written by `cargo run --release -p voltstep --example make_trip`.\n\n";
     let b = &TRUTH.battery;
     let mut text = String::from(head);
@@ -192,7 +192,7 @@ pub fn truth_toml() -> String {
 /// Drives the trip and shows each row: its number, the plant, heating and air conditioning \[W\].
 fn drive(mut show: impl FnMut(u32, &PowertrainOutput, f32, f32)) {
     let plant = must!(Powertrain::new(TRUTH, DT));
-    let driver = must!(Driver::new(BMW_I3_60AH.driver, &TRUTH, DT));
+    let driver = must!(Driver::new(BMW_I3_60AH_CONSTANT.driver, &TRUTH, DT));
     let Ok(mut state) = plant.at_rest(INITIAL_SOC) else { unreachable!("a ratio") };
     let mut driver_state = DriverState::default();
     let mut vehicle = plant.feedback(&state);

@@ -13,7 +13,8 @@ use anyhow::Context;
 use super::adaptive::{Clock, System, integrate};
 use super::tolerance as t;
 use super::{Case, Checks};
-use crate::read::{cycle, vehicle};
+use crate::read::cycle;
+use crate::read::vehicle::{self, VehicleBattery};
 use crate::simulate::route::Route;
 use crate::simulate::run;
 use crate::simulate::run::Run;
@@ -158,7 +159,8 @@ fn maps(checks: &mut Checks) -> anyhow::Result<()> {
 /// The battery's map in the coupled plant: the books close, and a tenth of the step changes little.
 fn in_the_plant(checks: &mut Checks) -> anyhow::Result<()> {
     let vehicle = vehicle::load("bmw-i3-60ah")?;
-    anyhow::ensure!(vehicle.battery_map.is_some(), "no battery map");
+    let mapped = matches!(vehicle.powertrain.battery, VehicleBattery::Mapped(_));
+    anyhow::ensure!(mapped, "no battery map");
     let route = Route::of_cycle(&cycle::by_name("udds").context("no UDDS")?);
     let run = |dt_s| run::vehicle(&vehicle, &route, vehicle.initial_soc, dt_s, true, false);
     let (coarse, fine) = rayon::join(|| run(1e-3), || run(1e-4));

@@ -142,7 +142,7 @@ pub fn run(years: u32, show_progress: bool) -> anyhow::Result<Report> {
     } else {
         ProgressBar::hidden()
     };
-    let params = presets::BMW_I3_60AH.powertrain.battery;
+    let params = presets::BMW_I3_60AH_CONSTANT.powertrain.battery;
     let battery = Battery::new(params, DT)?;
     let start = BatteryState::rested(FULL)?;
     let day = day();

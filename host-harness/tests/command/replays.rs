@@ -324,9 +324,13 @@ fn the_list_names_every_cycle_and_every_vehicle() {
         let row = row.unwrap_or_else(|| panic!("no row for {name}"));
         assert!(row.contains(length_s) && row.contains(distance_km), "{row}");
     }
-    for name in
-        ["bmw-i3-60ah", "bmw-i3-60ah-epowertrain", "epowertrain-udds", "epowertrain-udds-table"]
-    {
+    for name in [
+        "bmw-i3-60ah",
+        "bmw-i3-60ah-constant",
+        "bmw-i3-60ah-epowertrain",
+        "epowertrain-udds",
+        "epowertrain-udds-table",
+    ] {
         assert!(list.contains(&format!(" {name} ")), "{name}");
     }
 }

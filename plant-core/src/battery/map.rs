@@ -185,6 +185,7 @@ impl Default for HysteresisParams {
 )]
 pub struct ThermalParams {
     /// Heat capacity \[J/K\], above zero; infinity: the temperature stays as it is set.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub heat_capacity_j_per_k: Real,
     /// Cooling to the surroundings \[W/K\], ≥ 0.
     pub cooling_w_per_k: Real,
@@ -304,8 +305,10 @@ pub struct MappedBatteryParams {
     /// Charge between SOC 0 and 1 \[A·h\], above zero.
     pub capacity_ah: Real,
     /// Largest discharge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub discharge_limit_a: Real,
     /// Largest charge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub charge_limit_a: Real,
     /// How often resistances and temperature follow \[s\], above zero: well below the time in
     /// which state of charge or temperature change them.

@@ -47,8 +47,10 @@ pub struct BatteryParams {
     /// The RC branch.
     pub polarisation: RcBranchParams,
     /// Largest discharge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub discharge_limit_a: Real,
     /// Largest charge current \[A\], above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub charge_limit_a: Real,
 }
 

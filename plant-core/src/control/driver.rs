@@ -34,12 +34,15 @@ pub struct TorqueDriverParams {
     /// The speed controller: from m/s to the force at the road \[N\].
     pub speed: PidParams,
     /// Peak torque of the motor \[N·m\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub peak_torque_nm: Real,
     /// Peak mechanical power of the motor \[W\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub peak_power_w: Real,
     /// Largest regenerative torque \[N·m\], ≥ 0.
     pub regen_torque_nm: Real,
     /// Largest regenerative mechanical power \[W\], above zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub regen_power_w: Real,
     /// Below this speed regeneration fades to zero \[m/s\], above zero.
     pub regen_fade_m_s: Real,
@@ -115,9 +118,9 @@ impl Driver {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(
+    pub const fn new<P>(
         params: DriverParams,
-        vehicle: &PowertrainParams,
+        vehicle: &PowertrainParams<P>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         match params {
@@ -165,9 +168,9 @@ impl TorqueDriver {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(
+    pub const fn new<P>(
         params: TorqueDriverParams,
-        vehicle: &PowertrainParams,
+        vehicle: &PowertrainParams<P>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         check!(limit("driver.torque.peak_torque_nm", params.peak_torque_nm));

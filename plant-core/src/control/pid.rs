@@ -32,10 +32,13 @@ pub struct PidParams {
     /// Below this magnitude the raw output counts as zero, ≥ 0; 0 for no dead zone.
     pub dead_zone: Real,
     /// Lowest output; −infinity for none but that of any value, −1e9.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited::below"))]
     pub output_min: Real,
     /// Highest output, above the lowest; infinity for none but that of any value, 1e9.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub output_max: Real,
     /// Rate at which the output follows its target \[1/s\], above zero; infinity for at once.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub smoothing_per_s: Real,
     /// What the integral does in saturation.
     pub anti_windup: AntiWindup,

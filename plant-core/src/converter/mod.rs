@@ -18,6 +18,7 @@ pub const DROP_FADE_A: Real = 0.1;
 )]
 pub struct ConverterParams {
     /// Largest magnitude of the duty, above zero; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub duty_limit: Real,
     /// Loss that does not depend on the load \[W\], ≥ 0, drawn at the input.
     pub constant_loss_w: Real,

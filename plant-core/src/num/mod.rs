@@ -10,6 +10,8 @@ mod table;
 #[cfg(feature = "serde")]
 mod table_serde;
 mod trig;
+#[cfg(feature = "serde")]
+pub mod unlimited;
 
 pub use accum::Accum;
 pub use table::{SOC_POINTS, SocTable};

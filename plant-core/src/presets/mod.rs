@@ -7,7 +7,7 @@ mod batteries;
 pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use crate::battery::{BatteryParams, MappedBatteryParams, OpenCircuit, RcBranchParams};
 use crate::control::driver::{DriverParams, TorqueDriverParams};
 use crate::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use crate::converter::ConverterParams;
@@ -19,23 +19,26 @@ use crate::mechanics::wheel::WheelParams;
 use crate::num::Real;
 use crate::powertrain::PowertrainParams;
 
-/// A vehicle with its driver.
+/// A vehicle with its driver; `P` says which battery it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Vehicle {
+pub struct Vehicle<P = BatteryParams> {
     /// Its name, as in `voltstep replay --vehicle`.
     pub name: &'static str,
     /// State of charge at the start of a cycle, 0..1.
     pub initial_soc: Real,
     /// The plant.
-    pub powertrain: PowertrainParams,
+    pub powertrain: PowertrainParams<P>,
     /// Who drives it.
     pub driver: DriverParams,
 }
 
-/// Every vehicle.
+/// Every vehicle whose battery has constant parameters.
 pub const VEHICLES: [&Vehicle; 4] =
-    [&BMW_I3_60AH, &BMW_I3_60AH_EPOWERTRAIN, &EPOWERTRAIN_UDDS, &EPOWERTRAIN_UDDS_TABLE];
+    [&BMW_I3_60AH_CONSTANT, &BMW_I3_60AH_EPOWERTRAIN, &EPOWERTRAIN_UDDS, &EPOWERTRAIN_UDDS_TABLE];
+
+/// Every vehicle whose battery has parameters over state of charge and temperature.
+pub const MAPPED_VEHICLES: [&Vehicle<MappedBatteryParams>; 1] = [&BMW_I3_60AH];
 
 /// The laboratory motor as identified by Pasek's method (EPowertrain 2025, section 5.1).
 pub const MOTOR_PASEK: DcMotorParams = DcMotorParams {
@@ -183,14 +186,13 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
     }),
 };
 
-/// A physical BMW i3 60 Ah.
+/// A physical BMW i3 60 Ah, with the battery of [`BMW_I3_60AH_PACK`].
 ///
 /// | Value | Source |
 /// |---|---|
 /// | peak torque 250 N·m, peak power 125 kW, gear ratio 9.665, drag 0.29 · 2.38 m² | BMW, technical data of the i3 (60 Ah), 2013 |
 /// | mass 1490 kg | estimate: what the motor torque of the 28 trips below accelerates, behind this gear; 1195 kg kerb weight (DIN, BMW), driver, passengers, equipment |
 /// | wheel radius 0.340 m | tyre 155/70 R19, 0.350 m unloaded; rolling radius by ETRTO's circumference of 3.05 diameters |
-/// | 60 Ah, 343.22…399.8 V, 0.1051 Ω and the RC branch | EPowertrain (2025), Table 5.6, identified there on one trip of the real car |
 /// | regeneration 87 N·m, 57 kW; auxiliary base load 530 W; discharge 400 A | extremes, and the median at standstill less heating and air conditioning, of 28 trips of a real car (TU Munich, DOI 10.21227/6jr9-5235) |
 /// | charge limit 150 A | estimate, just above the largest of the same trips (145 A) |
 /// | rolling resistance 0.0131 | estimate from the motor torque of the same trips; it stands for everything that resists at any speed |
@@ -202,8 +204,18 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
 /// | converter 1.0 V, 1 mΩ | estimate: about 98 % at 20 kW; its constant loss is part of the base load measured at standstill |
 /// | regeneration fades below 3 m/s and above 95 % | estimate |
 /// | friction brake 15 kN | estimate: more than the tyres hold |
-pub const BMW_I3_60AH: Vehicle = Vehicle {
+pub const BMW_I3_60AH: Vehicle<MappedBatteryParams> = Vehicle {
     name: "bmw-i3-60ah",
+    initial_soc: BMW_I3_60AH_CONSTANT.initial_soc,
+    powertrain: BMW_I3_60AH_CONSTANT.powertrain.with_battery(BMW_I3_60AH_PACK),
+    driver: BMW_I3_60AH_CONSTANT.driver,
+};
+
+/// [`BMW_I3_60AH`] with a battery of constant parameters, for targets that want no map: 60 Ah,
+/// 343.22…399.8 V, 0.1051 Ω and the RC branch from EPowertrain (2025), Table 5.6, identified there
+/// on one trip of the real car.
+pub const BMW_I3_60AH_CONSTANT: Vehicle = Vehicle {
+    name: "bmw-i3-60ah-constant",
     initial_soc: 0.90,
     powertrain: PowertrainParams {
         battery: BatteryParams {

@@ -13,7 +13,7 @@ use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
 use plant_core::powertrain::{Powertrain, PowertrainParams};
-use plant_core::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
+use plant_core::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
 };
@@ -82,7 +82,7 @@ macro_rules! refuses_variant {
     }};
 }
 
-const PLANT: PowertrainParams = BMW_I3_60AH.powertrain;
+const PLANT: PowertrainParams = BMW_I3_60AH_CONSTANT.powertrain;
 
 #[test]
 fn step() {
@@ -254,7 +254,9 @@ fn pid() {
 #[test]
 fn drivers() {
     let make = |p| Driver::new(p, &PLANT, DT);
-    let DriverParams::Torque(torque) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+    let DriverParams::Torque(torque) = BMW_I3_60AH_CONSTANT.driver else {
+        panic!("a torque driver")
+    };
     refuses!(|p| make(DriverParams::Torque(p)), TorqueDriverParams: torque, {
         peak_torque_nm: LIMIT,
         peak_power_w: LIMIT,

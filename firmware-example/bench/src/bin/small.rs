@@ -10,7 +10,7 @@ use plant_core::machine::dc::{DcMotorInput, DcMotorState};
 use plant_core::num::fast::{EXP_RANGE, SQRT_RANGE};
 use plant_core::signal::sources::TimeTableState;
 use voltstep_trace::{
-    BMW_I3, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Fnv1a, Frame, REFERENCE, STEPS_PER_BLOCK,
+    BMW_I3_CONSTANT, EPOWERTRAIN, EPOWERTRAIN_LEDGER, Fnv1a, Frame, REFERENCE, STEPS_PER_BLOCK,
 };
 
 use voltstep_bench::{call, end, fast, hprintln, items, painted, report};
@@ -41,7 +41,7 @@ fn run() -> Option<()> {
     let mut clock = TimeTableState::default();
     let mut pid_off = EPOWERTRAIN.start().ok()?;
     let mut pid_on = EPOWERTRAIN_LEDGER.start().ok()?;
-    let mut torque_off = BMW_I3.start().ok()?;
+    let mut torque_off = BMW_I3_CONSTANT.start().ok()?;
     let mut battery_state = BatteryState::rested(0.9).ok()?;
     let mut rc_state = RcBranchState::default();
     let mut motor_state = DcMotorState::default();
@@ -51,8 +51,8 @@ fn run() -> Option<()> {
         let reference = REFERENCE.step(&mut clock, ());
         call!(nothing, items::bench_nothing, &mut (), &());
         call!(plant_pid_off, items::bench_plant_pid_off, &mut pid_off, &reference);
-        for word in Frame::plant(&pid_off) {
-            hash.word(word);
+        for word in Frame::plant(&pid_off).words() {
+            hash.word(*word);
         }
         call!(plant_pid_on, items::bench_plant_pid_on, &mut pid_on, &reference);
         call!(plant_torque_off, items::bench_plant_torque_off, &mut torque_off, &reference);

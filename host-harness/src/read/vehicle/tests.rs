@@ -3,6 +3,8 @@ use plant_core::presets;
 
 use super::*;
 
+mod built_in;
+
 /// A sound file; tests change one line of it.
 const EXAMPLE: &str = r#"name = "cart"
 description = "a cart"
@@ -68,48 +70,11 @@ fn says(from: &str, to: &str, expected: &str) {
     assert_eq!(said(from, to), format!("x.toml:{expected}"));
 }
 
-#[test]
-fn every_built_in_file_equals_its_preset_and_the_other_way_round() {
-    let built_in = builtin();
-    let in_files: Vec<_> = names().collect();
-    let in_presets: Vec<_> = presets::VEHICLES.iter().map(|preset| preset.name).collect();
-    assert_eq!(in_files, in_presets);
-    assert_eq!(built_in.len(), in_presets.len());
-    for (vehicle, preset) in built_in.iter().zip(presets::VEHICLES) {
-        assert_eq!(vehicle.name, preset.name);
-        assert_eq!(vehicle.initial_soc.to_bits(), preset.initial_soc.to_bits(), "{}", preset.name);
-        assert_eq!(vehicle.powertrain, preset.powertrain, "{}", preset.name);
-        assert_eq!(vehicle.driver, preset.driver, "{}", preset.name);
-        assert!(!vehicle.description.is_empty() && !vehicle.description.contains('\n'));
-        assert!(!vehicle.source.is_empty());
-        assert_eq!(&load(preset.name).unwrap(), vehicle);
-    }
-}
-
-#[test]
-fn every_vehicle_file_is_built_in_and_has_its_source() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/vehicles");
-    let sources = std::fs::read_to_string(folder.join("SOURCE.toml")).unwrap();
-    let sources: toml::Table = sources.parse().unwrap();
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        if stem != "SOURCE" {
-            let from_path = load(path.to_str().unwrap()).unwrap();
-            assert_eq!(from_path, load(&stem).unwrap());
-            assert_eq!(from_path.name, stem);
-            for key in ["file", "origin", "licence", "units"] {
-                assert!(sources[&stem][key].is_str(), "{stem}: {key}");
-            }
-            files.push(stem);
-        }
-    }
-    files.sort();
-    let mut names: Vec<_> = names().collect();
-    names.sort_unstable();
-    assert_eq!(files, names);
-    assert_eq!(sources.len(), names.len());
+/// The battery of a vehicle that has it inline.
+#[track_caller]
+fn constant(vehicle: &Vehicle) -> BatteryParams {
+    let VehicleBattery::Constant(battery) = vehicle.powertrain.battery else { panic!("mapped") };
+    battery
 }
 
 #[test]
@@ -117,7 +82,7 @@ fn reads_the_example_and_fills_in_what_may_be_left_out() {
     let cart = parse("x.toml", EXAMPLE.as_bytes()).unwrap();
     assert_eq!(cart.powertrain.auxiliary, AuxiliaryParams::NONE);
     assert_eq!(cart.powertrain.converter, ConverterParams::IDEAL);
-    assert_eq!(cart.powertrain.battery.polarisation.capacitance_f.to_bits(), 1000_f32.to_bits());
+    assert_eq!(constant(&cart).polarisation.capacitance_f.to_bits(), 1000_f32.to_bits());
     let windows = EXAMPLE.replace('\n', "\r\n");
     assert_eq!(parse("x.toml", format!("\u{feff}{windows}").as_bytes()).unwrap(), cart);
 }
@@ -129,7 +94,7 @@ fn reads_a_table_of_the_open_circuit_voltage() {
         EXAMPLE.replace(linear, &format!("[battery.open_circuit]\ntable = {points}\n"))
     };
     let vehicle = parse("x.toml", with("[[0, 40], [0.5, 48.0], [1, 50]]").as_bytes()).unwrap();
-    let OpenCircuit::Table(table) = vehicle.powertrain.battery.open_circuit else { panic!() };
+    let OpenCircuit::Table(table) = constant(&vehicle).open_circuit else { panic!() };
     assert!((table.at(0.5) - 48.0).abs() < 1e-6);
     for (points, expected) in [
         (
@@ -158,25 +123,33 @@ fn reads_a_table_of_the_open_circuit_voltage() {
 }
 
 #[test]
-fn a_battery_map_is_built_in_or_a_file_beside_the_vehicle() {
+fn a_named_battery_is_built_in_or_a_file_beside_the_vehicle() {
     let folder = tempfile::tempdir().unwrap();
-    let vehicle = |map: &str| {
+    let (start, end) = (EXAMPLE.find("[battery]").unwrap(), EXAMPLE.find("[motor]").unwrap());
+    let vehicle = |battery: &str| {
         let path = folder.path().join("cart.toml");
-        let text = EXAMPLE
-            .replace("initial_soc = 0.5", &format!("initial_soc = 0.5\nbattery_map = \"{map}\""));
+        let text = format!("{}battery = {battery}\n{}", &EXAMPLE[..start], &EXAMPLE[end..]);
         std::fs::write(&path, text).unwrap();
         load(&path.to_string_lossy())
     };
-    let map = vehicle("panasonic-ncr18650pf").unwrap();
-    assert!((map.capacity_ah() - 2.97).abs() < 0.1, "{}", map.capacity_ah());
+    let named = vehicle("\"panasonic-ncr18650pf\"").unwrap();
+    assert_eq!(named.powertrain.battery, VehicleBattery::Mapped(presets::PANASONIC_NCR18650PF));
     let own = include_str!("../../../data/batteries/panasonic-ncr18650pf.toml");
     std::fs::write(folder.path().join("own.toml"), own).unwrap();
-    assert_eq!(vehicle("own.toml").unwrap().battery_map, map.battery_map);
-    for (name, expected) in [
-        ("panasonic", ":5:1: `battery_map` cannot be used"),
-        ("nowhere.toml", "nowhere.toml: cannot read"),
+    assert_eq!(vehicle("\"own.toml\"").unwrap(), named);
+    for (battery, expected) in [
+        (
+            "\"panasonic\"",
+            "cart.toml:6:1: `battery` cannot be used, found \"panasonic\": panasonic: no such battery",
+        ),
+        ("\"nowhere.toml\"", "nowhere.toml: cannot read"),
+        (
+            "3",
+            "cart.toml:6:11: `battery`: expected the name of a battery, a .toml file or a table, found a number",
+        ),
+        ("{}", "cart.toml:6:1: missing key `open_circuit` in [battery]"),
     ] {
-        let error = vehicle(name).unwrap_err().to_string();
+        let error = vehicle(battery).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     }
 }
@@ -188,7 +161,7 @@ fn an_unknown_key() {
         "name =",
         "  title =",
         "1:3: unknown key `title`; expected one of `name`, `description`, `source`, \
-         `initial_soc`, `battery_map`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
+         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
          `driver`",
     );
     says(
@@ -292,7 +265,7 @@ fn values_that_break_a_rule() {
 
 /// Keys whose values are no numbers.
 const TEXTS: [&str; 6] =
-    ["name", "description", "source", "battery_map", "derivative_of", "anti_windup"];
+    ["name", "description", "source", "battery", "derivative_of", "anti_windup"];
 
 #[test]
 fn every_field_that_the_models_check_has_its_place() {
@@ -311,7 +284,7 @@ fn every_field_that_the_models_check_has_its_place() {
         }
         found
     };
-    for (name, text) in BUILT_IN {
+    for (name, text) in BUILT_IN.files {
         let found = numbers(text);
         assert!(found.len() > 30, "{name}");
         for (i, table, key) in found {
@@ -366,7 +339,7 @@ fn values_of_the_wrong_type() {
         body,
         "[x]",
         "39:2: unknown table [x]; expected one of `name`, `description`, `source`, \
-         `initial_soc`, `battery_map`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
+         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
          `driver`",
     );
 }
@@ -393,8 +366,8 @@ fn syntax_errors() {
 
 #[test]
 fn a_name_that_is_not_known() {
-    let list = "(built in: `bmw-i3-60ah`, `bmw-i3-60ah-epowertrain`, `epowertrain-udds`, \
-                `epowertrain-udds-table`; or the path of a .toml file)";
+    let list = "(built in: `bmw-i3-60ah`, `bmw-i3-60ah-constant`, `bmw-i3-60ah-epowertrain`, \
+                `epowertrain-udds`, `epowertrain-udds-table`; or the path of a .toml file)";
     let error = load("bmw-i3-60").unwrap_err().to_string();
     assert_eq!(error, format!("bmw-i3-60: no such vehicle; did you mean `bmw-i3-60ah`? {list}"));
     assert_eq!(load("tank").unwrap_err().to_string(), format!("tank: no such vehicle {list}"));

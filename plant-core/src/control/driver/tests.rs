@@ -4,7 +4,7 @@ extern crate std;
 use super::*;
 use crate::num::min;
 use crate::powertrain::{Limited, Powertrain, PowertrainInput, PowertrainOutput};
-use crate::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS, Vehicle};
+use crate::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS, Vehicle};
 
 const DT: Dt = crate::must!(Dt::from_s(0.001));
 
@@ -47,7 +47,7 @@ fn drive(vehicle: &Vehicle, soc: Real, v0: Real, steps: u32, reference: fn(Real)
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn both_drivers_follow_a_ramp_and_hold_a_speed() {
-    for vehicle in [&BMW_I3_60AH, &EPOWERTRAIN_UDDS] {
+    for vehicle in [&BMW_I3_60AH_CONSTANT, &EPOWERTRAIN_UDDS] {
         let run = drive(vehicle, 0.8, 0.0, 20_000, |t| min(1.5 * t, 15.0));
         assert!((run.last.speed_m_s - 15.0).abs() < 0.02, "{}", run.last.speed_m_s);
         assert!(run.top_m_s < 15.3, "{}", run.top_m_s);
@@ -57,10 +57,10 @@ fn both_drivers_follow_a_ramp_and_hold_a_speed() {
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn peak_torque_and_power_limit_the_acceleration() {
-    let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
-    let run = drive(&BMW_I3_60AH, 0.8, 0.0, 1000, |_| 50.0);
+    let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
+    let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 0.0, 1000, |_| 50.0);
     assert!((run.last.motor_nm / p.peak_torque_nm - 1.0).abs() < 0.02, "{}", run.last.motor_nm);
-    let run = drive(&BMW_I3_60AH, 0.8, 0.0, 8000, |_| 50.0);
+    let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 0.0, 8000, |_| 50.0);
     let power_w = run.last.motor_nm * run.last.motor_rad_s;
     assert!((power_w / p.peak_power_w - 1.0).abs() < 0.02, "{power_w}");
 }
@@ -69,8 +69,8 @@ fn peak_torque_and_power_limit_the_acceleration() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn the_brake_takes_what_regeneration_may_not() {
     let stop = |t: Real| max(20.0 - 1.5 * t, 0.0);
-    let half = drive(&BMW_I3_60AH, 0.8, 20.0, 6000, stop);
-    let full = drive(&BMW_I3_60AH, 1.0, 20.0, 6000, stop);
+    let half = drive(&BMW_I3_60AH_CONSTANT, 0.8, 20.0, 6000, stop);
+    let full = drive(&BMW_I3_60AH_CONSTANT, 1.0, 20.0, 6000, stop);
     for run in [&half, &full] {
         assert!((run.last.speed_m_s - 11.0).abs() < 0.1, "{}", run.last.speed_m_s);
     }
@@ -81,15 +81,15 @@ fn the_brake_takes_what_regeneration_may_not() {
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn holds_at_standstill_with_the_brake() {
-    let run = drive(&BMW_I3_60AH, 0.8, 5.0, 8000, |t| max(5.0 - 2.0 * t, 0.0));
-    let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
+    let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 5.0, 8000, |t| max(5.0 - 2.0 * t, 0.0));
+    let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
     assert_eq!((run.last.speed_m_s, run.brake_n), (0.0, p.brake_limit_n));
     assert!(run.last.motor_a.abs() < 0.1, "{}", run.last.motor_a);
 }
 
 #[test]
 fn bad_input_holds_the_last_command() {
-    for vehicle in [&BMW_I3_60AH, &EPOWERTRAIN_UDDS] {
+    for vehicle in [&BMW_I3_60AH_CONSTANT, &EPOWERTRAIN_UDDS] {
         let driver = Driver::new(vehicle.driver, &vehicle.powertrain, DT).unwrap();
         let mut s = DriverState::default();
         let good = DriverInput {
@@ -129,8 +129,9 @@ fn bad_input_holds_the_last_command() {
 
 #[test]
 fn refuses_each_bad_field_by_name() {
-    let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
-    let refused = |p| TorqueDriver::new(p, &BMW_I3_60AH.powertrain, DT).unwrap_err().field();
+    let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
+    let refused =
+        |p| TorqueDriver::new(p, &BMW_I3_60AH_CONSTANT.powertrain, DT).unwrap_err().field();
     let bad = -1.0;
     for (params, field) in [
         (TorqueDriverParams { peak_torque_nm: bad, ..p }, "driver.torque.peak_torque_nm"),
@@ -150,8 +151,8 @@ fn refuses_each_bad_field_by_name() {
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_decision_follows_the_rules() {
-    let DriverParams::Torque(p) = BMW_I3_60AH.driver else { panic!("a torque driver") };
-    let car = BMW_I3_60AH.powertrain;
+    let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
+    let car = BMW_I3_60AH_CONSTANT.powertrain;
     let driver = TorqueDriver::new(p, &car, DT).unwrap();
     let turns = car.gearbox.ratio / car.wheel.radius_m;
     let mass_kg = car.body.mass_kg
@@ -256,7 +257,7 @@ fn a_duty_that_was_not_told_is_no_saturation() {
 
 #[test]
 fn a_driver_sees_what_the_plant_says() {
-    let plant = Powertrain::new(BMW_I3_60AH.powertrain, DT).unwrap();
+    let plant = Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, DT).unwrap();
     let mut state = plant.at_speed(0.6, 20.0).unwrap();
     let mut limited = false;
     for n in 0..100 {

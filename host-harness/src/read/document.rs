@@ -1,6 +1,9 @@
 //! A TOML document that says where each of its keys stands, and a reader of Rust types that
 //! blames the key.
 
+mod fault;
+
+use plant_core::{Dt, must};
 use serde::de::value::StrDeserializer;
 use serde::de::{
     self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess,
@@ -10,8 +13,11 @@ use serde::forward_to_deserialize_any;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-use super::fault::{Fault, Kind, advice, joined, of_table};
 use crate::read::error::{self, InputError, listed, shown};
+use fault::{Fault, Kind, advice, joined, of_table};
+
+/// The step for which a document's parameters are checked; which are sound does not depend on it.
+pub(crate) const CHECK_DT: Dt = must!(Dt::from_s(0.001));
 
 /// A TOML document, parsed, with the place of every key.
 pub(crate) struct Document<'a> {
