@@ -77,6 +77,7 @@ refusals! {
     ConverterConstantLossW: Negative "converter.constant_loss_w",
     ConverterVoltageDropV: Negative "converter.voltage_drop_v",
     ConverterResistanceOhm: Negative "converter.resistance_ohm",
+    ConverterCurrentLimitA: NotALimit "converter.current_limit_a",
     MotorResistanceOhm: NotPositive "motor.resistance_ohm",
     MotorInductanceH: NotPositive "motor.inductance_h",
     MotorBackEmf: NotPositive "motor.back_emf_v_s_per_rad",

@@ -79,6 +79,8 @@ pub enum VoltstepStatus {
     ConverterVoltageDropV = 152,
     /// `converter.resistance_ohm` must be finite, zero or above, and at most 1e12.
     ConverterResistanceOhm = 153,
+    /// `converter.current_limit_a` must be at least 1e-12 (infinity: no limit).
+    ConverterCurrentLimitA = 154,
     /// `motor.resistance_ohm` must be finite and between 1e-12 and 1e12.
     MotorResistanceOhm = 160,
     /// `motor.inductance_h` must be finite and between 1e-12 and 1e12.

@@ -160,7 +160,7 @@ fn run() -> Option<()> {
         let motor_nm = 0.27 * i;
         let current_a = seen.duty * i;
         let distance_m = torque_off.plant.body.distance_m.get();
-        let input = PowertrainInput { duty: seen.duty, ..PowertrainInput::default() };
+        let input = PowertrainInput::on(seen.duty);
         call!(powertrain, items::bench_powertrain, &mut plant, &input);
         call!(battery, items::bench_battery, &mut battery_state, &BatteryInput { current_a });
         let input = MappedBatteryInput { current_a };

@@ -2,7 +2,7 @@
 //! hysteresis and a thermal node.
 
 use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, is_possible, temperature};
-use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
+use super::{CurrentLimits, OpenCircuit, Room, SOC_MARGIN};
 use crate::error::{ParamError, check, ratio};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sign};
@@ -30,6 +30,7 @@ pub struct MappedBattery {
     /// K per J of heat over one refresh, and the share of the way to the surroundings.
     warming_k_per_j: Real,
     cooling_gain: Real,
+    room: Room,
 }
 
 /// The resistances at an operating point \[Ω\].
@@ -155,6 +156,14 @@ impl MappedBattery {
             refresh_steps,
             warming_k_per_j: (1.0 - cooling_gain) / capacity_j_per_k,
             cooling_gain,
+            room: Room::new(
+                capacity_c,
+                CurrentLimits {
+                    discharge_a: limited.discharge_limit_a,
+                    charge_a: limited.charge_limit_a,
+                },
+                dt,
+            ),
         })
     }
 
@@ -279,22 +288,33 @@ impl MappedBattery {
         next
     }
 
-    /// Whether a step under `current_a` that leads to `next` keeps every limit.
+    /// The same, as a coupled plant keeps them: towards full, and towards empty, they fade with the
+    /// charge that is left to go, over 0.1 s.
     #[inline]
     #[must_use]
-    pub const fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
-        current_a <= self.params.discharge_limit_a
-            && current_a >= -self.params.charge_limit_a
-            && next.soc.get() >= 0.0
-            && next.soc.get() <= 1.0
+    pub const fn faded(&self, state: &MappedBatteryState) -> CurrentLimits {
+        self.limits(state).within(self.room.limits(state.soc.get()))
     }
 
-    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
+    /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
+    /// leads to `next` keeps every limit, clear of the ends of charge too ([`faded`](Self::faded)).
     #[inline]
-    pub fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
+    #[must_use]
+    pub const fn allows(&self, current_a: Real, least_a: Real, next: &MappedBatteryState) -> bool {
+        current_a <= self.params.discharge_limit_a
+            && least_a >= -self.params.charge_limit_a
+            && next.soc.get() >= self.room.empty
+            && next.soc.get() <= self.room.full
+    }
+
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
+    /// charged beyond full all the same, or, negative, drawn beyond empty \[C\]: it is lost.
+    #[inline]
+    pub fn settle(&self, state: &mut MappedBatteryState, current_a: Real) -> Real {
         *state = self.next(state, current_a);
-        // Only the last bit can lie outside: the limits saw to the rest.
+        let reached = state.soc;
         state.soc.clamp(0.0, 1.0);
+        self.capacity_c * reached.since(state.soc)
     }
 
     /// Counts a step; when it is time, temperature and resistances follow.

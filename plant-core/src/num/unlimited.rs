@@ -12,7 +12,6 @@ use super::Real;
 ///
 /// # Errors
 /// It is not a number, or −infinity: read back, that would be no limit.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
 pub fn serialize<S: Serializer>(limit: &Real, serializer: S) -> Result<S::Ok, S::Error> {
     write(*limit, Real::INFINITY, serializer)
 }
@@ -33,7 +32,6 @@ pub mod below {
     ///
     /// # Errors
     /// It is not a number, or infinity: read back, that would be no limit.
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
     pub fn serialize<S: Serializer>(limit: &Real, serializer: S) -> Result<S::Ok, S::Error> {
         write(*limit, -Real::INFINITY, serializer)
     }

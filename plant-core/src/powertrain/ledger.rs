@@ -43,7 +43,7 @@ macro_rules! terms {
         const NAMES: [&str; TERMS] = [$(stringify!($term),)+ "throughput"];
 
         /// Where the energy went since the start \[J\]; each term positive in the sense of its
-        /// name. `electrochemical` is the sum of all others but `open_circuit_explicit`.
+        /// name. `electrochemical` is the sum of all others but the last two.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct EnergyReport {
@@ -58,15 +58,18 @@ macro_rules! terms {
             pub capacitive: Real,
             /// What the balance does not explain: rounding.
             pub residual: Real,
+            /// Part of `electrochemical` that no charge stands for: it went into a full battery
+            /// (positive), or out of an empty one.
+            pub overcharge: Real,
             /// The step takes the open-circuit voltage of its start; this is how much the
-            /// battery's stored energy fell beyond `electrochemical` for it.
+            /// battery's stored energy fell beyond `electrochemical` and `overcharge` for it.
             pub open_circuit_explicit: Real,
         }
 
         impl EnergyReport {
             /// Each term's name and value, in the order of the ledger.
             #[must_use]
-            pub const fn terms(&self) -> [(&'static str, Real); TERMS + 5] {
+            pub const fn terms(&self) -> [(&'static str, Real); TERMS + 6] {
                 [
                     $((stringify!($term), self.$term),)+
                     ("throughput", self.throughput),
@@ -74,6 +77,7 @@ macro_rules! terms {
                     ("inductive", self.inductive),
                     ("capacitive", self.capacitive),
                     ("residual", self.residual),
+                    ("overcharge", self.overcharge),
                     ("open_circuit_explicit", self.open_circuit_explicit),
                 ]
             }
@@ -144,6 +148,7 @@ pub struct EnergyLedger {
     totals: [Accum; TERMS],
     next: usize,
     start: Stored,
+    overcharge_j: Accum,
 }
 
 impl EnergyLedger {
@@ -179,7 +184,8 @@ impl EnergyLedger {
             balance.add(-stored);
         }
         report.residual = balance.get();
-        report.open_circuit_explicit = discharged_j - report.electrochemical;
+        report.overcharge = self.overcharge_j.get();
+        report.open_circuit_explicit = discharged_j - report.electrochemical - report.overcharge;
         report
     }
 }
@@ -202,6 +208,8 @@ pub trait Book: Copy + Default {
     fn starting_with(start: Stored) -> Self;
     /// Books the raw powers of one step.
     fn book(&mut self, raw: &Flows);
+    /// Books what went into a full battery, or out of an empty one \[J\].
+    fn book_overcharge(&mut self, energy_j: Real);
 }
 
 impl Book for EnergyLedger {
@@ -219,6 +227,10 @@ impl Book for EnergyLedger {
         self.recent[k] = 0.0;
         self.next = k + 1;
     }
+
+    fn book_overcharge(&mut self, energy_j: Real) {
+        self.overcharge_j.add(energy_j);
+    }
 }
 
 /// Keeps no books.
@@ -234,6 +246,9 @@ impl Book for NoLedger {
 
     #[inline(always)]
     fn book(&mut self, _raw: &Flows) {}
+
+    #[inline(always)]
+    fn book_overcharge(&mut self, _energy_j: Real) {}
 }
 
 #[cfg(test)]

@@ -15,22 +15,27 @@ pub use params::PowertrainParams;
 use core::marker::PhantomData;
 
 use crate::auxiliary::Auxiliary;
-use crate::battery::{Battery, BatteryState, MappedBattery, MappedBatteryParams, Pack};
-use crate::converter::Converter;
+use crate::battery::{
+    Battery, BatteryState, CurrentLimits, MappedBattery, MappedBatteryParams, Pack,
+};
+use crate::converter::{Converter, Gates};
 use crate::error::{ParamError, check};
 use crate::machine::dc::{DcMotor, Winding};
 use crate::mechanics::body::{Body, BodyState, Road};
 use crate::mechanics::gearbox::Gearbox;
 use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
-use crate::num::{Accum, Real, sound};
+use crate::num::{Accum, Real, min, sound};
 use crate::port::Coast;
 use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
+use crate::powertrain::solve::Solution;
 
 /// The coupled plant, discretised for one step; `L` says whether it keeps an energy ledger, `B`
 /// which battery it has.
 ///
-/// For a given duty and given forces a step is stable for any `h` and any physical parameter.
+/// For a given duty and given forces a step is stable for any `h` and any physical parameter. So it
+/// is where a limit acts: the current stands at the limit; one that was beyond it already, as when
+/// the limit falls, decays with the winding's L/R.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powertrain<L = NoLedger, B = Battery> {
     battery: B,
@@ -65,20 +70,33 @@ pub struct PowertrainState<L = NoLedger, S = BatteryState> {
     pub body: BodyState,
     /// Voltage at the battery's terminals at the last step \[V\].
     pub battery_v: Real,
+    /// How long the constant auxiliary power still stays cut out \[s\]; 0 where it is not.
+    pub cut_out_s: Real,
     /// The books, or nothing.
     pub ledger: L,
 }
 
-/// What drives a [`Powertrain`].
+/// What drives a [`Powertrain`]. By default gates are off, the road is flat, no limit is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowertrainInput {
-    /// Commanded duty of the converter.
-    pub duty: Real,
+    /// Command of the converter.
+    pub gates: Gates,
     /// Slope, wind and friction brake.
     pub road: Road,
     /// Auxiliary power beside the parameter \[W\], ≥ 0.
     pub auxiliary_w: Real,
+    /// What the battery's management allows; the lower of this and the battery's own holds.
+    pub limits: CurrentLimits,
+}
+
+impl PowertrainInput {
+    /// A duty on a flat road.
+    #[inline]
+    #[must_use]
+    pub fn on(duty: Real) -> Self {
+        Self { gates: Gates::On(duty), ..Self::default() }
+    }
 }
 
 impl Powertrain<NoLedger> {
@@ -197,6 +215,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             current_a: Accum::new(0.0),
             body: BodyState { speed_m_s, distance_m: Accum::new(0.0) },
             battery_v: self.battery.offer(&battery).0.emf_v,
+            cut_out_s: 0.0,
             ledger: L::default(),
         };
         state.ledger = L::starting_with(self.stored(&state));
@@ -224,6 +243,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             soc: B::soc(&state.battery),
             duty: 0.0,
             limited: false,
+            slope_sin: 0.0,
         }
     }
 
@@ -245,6 +265,28 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         self.coast.inertia_per_h * self.dt_s
     }
 
+    /// Whether a solution keeps every limit, with gates on.
+    ///
+    /// A winding's field that grows hides what the battery will be charged with once it has grown:
+    /// that counts too.
+    #[inline(always)]
+    fn keeps_limits(
+        &self,
+        i: Real,
+        solution: &Solution,
+        next: &B::State,
+        input: &PowertrainInput,
+    ) -> bool {
+        let (reached_a, battery_a) = (i + solution.current_increment_a, solution.battery_a);
+        let field_w = self.winding.inductance_per_h_ohm * solution.current_increment_a * reached_a;
+        let least_a = min(battery_a, battery_a - field_w / solution.battery_v);
+        input.gates != Gates::Off
+            && reached_a.abs() <= self.converter.params.current_limit_a
+            && battery_a <= input.limits.discharge_a
+            && least_a >= -input.limits.charge_a
+            && self.battery.allows(battery_a, least_a, next)
+    }
+
     /// Advances by one step.
     #[inline(always)]
     pub fn step(
@@ -258,21 +300,23 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             resistance.friction_n += self.gear_loss_n_per_a * i.abs();
         }
         let (mut start, source, open_circuit_v) = self.start(state, input.auxiliary_w, resistance);
-        let commanded = self.converter.allowed_duty(input.duty);
+        let asked = input.gates.duty();
+        let commanded = self.converter.allowed_duty(asked);
         let mut solution = self.solve(&start, commanded);
         let mut battery = self.battery.next(&state.battery, solution.battery_a);
-        let mut limited = if commanded == input.duty { Limited::No } else { Limited::Duty };
-        let mut starved = false;
-        if !self.battery.allows(solution.battery_a, &battery) {
+        let mut limited = if commanded == asked { Limited::No } else { Limited::Duty };
+        let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
+        if !self.keeps_limits(i, &solution, &battery, &input) {
             let held = self.hold_limits(
                 state,
-                commanded,
+                input.gates,
                 input.auxiliary_w,
+                input.limits,
                 resistance.force_n,
                 resistance.slope_n_s_per_m,
                 resistance.friction_n,
             );
-            (solution, starved) = (held.solution, held.starved);
+            (solution, starved, exceeded_a) = (held.solution, held.starved, held.exceeded_a);
             if held.limited != Limited::No {
                 limited = held.limited;
             }
@@ -281,7 +325,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             }
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
-            self.battery.settle(&mut settled, solution.battery_a);
+            overcharged_c = self.battery.settle(&mut settled, solution.battery_a);
             battery = settled;
         }
 
@@ -293,7 +337,11 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             + (v + solution.motion.increment_m_s).abs()
             + solution.battery_a.abs()
             + B::magnitude(&battery);
-        let accepted = sound(magnitude) && input.road.is_possible() && input.auxiliary_w >= 0.0;
+        let accepted = sound(magnitude)
+            && input.road.is_possible()
+            && input.auxiliary_w >= 0.0
+            && input.limits.discharge_a >= 0.0
+            && input.limits.charge_a >= 0.0;
         if !accepted {
             return self.rejected(state, open_circuit_v);
         }
@@ -304,18 +352,28 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         Body::settle(&mut state.body, solution.motion, self.dt_s);
         state.battery = battery;
         state.battery_v = solution.battery_v;
+        if start.loads.any {
+            state.cut_out_s =
+                self.auxiliary.cut_out_s(state.cut_out_s, solution.battery_v, self.dt_s);
+        }
 
         let raw = self.raw_flows(state, &input.road, &start, &solution, open_circuit_v, losses);
         state.ledger.book(&raw);
+        if overcharged_c != 0.0 {
+            state.ledger.book_overcharge(overcharged_c * open_circuit_v);
+        }
         self.battery.refresh(&mut state.battery);
         PowertrainOutput {
             rejected: false,
             duty: solution.duty,
             limited,
+            limit_exceeded_a: exceeded_a,
+            overcharged_c,
             auxiliary_starved: starved,
             slip: solution.motion.slip,
             speed_m_s: state.body.speed_m_s.get(),
             distance_m: state.body.distance_m.get(),
+            slope_sin: input.road.grade.sin,
             soc: B::soc(&state.battery),
             battery_a: solution.battery_a,
             battery_v: solution.battery_v,

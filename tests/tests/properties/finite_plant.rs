@@ -34,7 +34,8 @@ fn powertrain_with_its_ledger() {
         keeps(start, &inputs, |s, [duty, sin, cos, headwind_m_s, brake_n, auxiliary_w]| {
             let cos = cos + Grade::from_sin(sin).cos;
             let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n };
-            let out = model.step(s, PowertrainInput { duty, road, auxiliary_w });
+            let out =
+                model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             ((out, model.energy(&start, s)), out.rejected)
         })
     });
@@ -52,7 +53,8 @@ fn drives(
     keeps(DriverState::default(), inputs, |s, fields| {
         let [reference_m_s, reference_m_s2, speed_m_s, motor_a, battery_v, soc, duty] = fields;
         let limited = battery_v.to_bits() & 1 == 1;
-        let vehicle = Feedback { speed_m_s, motor_a, battery_v, soc, duty, limited };
+        let vehicle =
+            Feedback { speed_m_s, motor_a, battery_v, soc, duty, limited, slope_sin: 0.0 };
         let out = model.step(s, DriverInput { reference_m_s, reference_m_s2, vehicle });
         let moved = out.rejected && out != DriverOutput { rejected: true, ..held };
         held = out;

@@ -144,6 +144,7 @@ fn auxiliary_and_converter() {
         constant_loss_w: NOT_NEGATIVE,
         voltage_drop_v: NOT_NEGATIVE,
         resistance_ohm: NOT_NEGATIVE,
+        current_limit_a: LIMIT,
     });
 }
 

@@ -92,7 +92,6 @@ pub struct EkfParams {
     pub converged_sd: Real,
     /// The standard deviation of the current that flows while none is measured \[A\], above zero;
     /// infinity: the state of charge is unknown after any gap.
-    #[cfg_attr(feature = "serde", serde(with = "plant_core::num::unlimited"))]
     pub unseen_current_a: Real,
 }
 

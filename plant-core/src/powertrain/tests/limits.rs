@@ -1,7 +1,7 @@
 //! Limits over many steps, gates off, and what a full battery does.
 
 use super::*;
-use crate::presets::{BMW_I3_60AH, EPOWERTRAIN_UDDS};
+use crate::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS};
 
 /// What the last four fifths of half a second come to.
 struct Seen {
@@ -49,7 +49,7 @@ fn with_limits(
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_current_stands_at_its_limit_at_any_step() {
-    let i3 = BMW_I3_60AH.powertrain;
+    let i3 = BMW_I3_60AH_CONSTANT.powertrain;
     let udds = EPOWERTRAIN_UDDS.powertrain;
     for (params, charge_a, speed_m_s, duty) in
         [(i3, 150.0, 20.0, 0.3), (i3, 150.0, 11.0, 0.12), (udds, 100.0, 20.0, 0.1)]
@@ -86,7 +86,8 @@ fn a_current_stands_at_its_limit_at_any_step() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn what_is_beyond_a_limit_that_falls_decays_and_is_reported() {
     for dt_s in [1e-5, 1e-4, 1e-3] {
-        let plant = Powertrain::new(BMW_I3_60AH.powertrain, Dt::from_s(dt_s).unwrap()).unwrap();
+        let plant =
+            Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap()).unwrap();
         let mut s = plant.at_speed(0.8, 20.0).unwrap();
         for _ in 0..(0.3 / dt_s) as u32 {
             plant.step(&mut s, PowertrainInput::on(0.3));
@@ -111,11 +112,11 @@ fn what_is_beyond_a_limit_that_falls_decays_and_is_reported() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn gates_off_let_nothing_flow_unless_the_back_emf_exceeds_the_bus() {
     for dt_s in [1e-5, 1e-3, 2e-2] {
-        let seen = run(BMW_I3_60AH.powertrain, dt_s, 30.0, PowertrainInput::default());
+        let seen = run(BMW_I3_60AH_CONSTANT.powertrain, dt_s, 30.0, PowertrainInput::default());
         assert_eq!((seen.last.motor_a, seen.last.duty, seen.last.limited), (0.0, 0.0, Limited::No));
         assert!(seen.lowest_a > 0.0 && seen.highest_a < 2.0, "the auxiliary load");
         // 60 m/s of 49: the diodes charge the battery, as one with duty 1 would.
-        let params = with_limits(BMW_I3_60AH.powertrain, 1e4, 1e4);
+        let params = with_limits(BMW_I3_60AH_CONSTANT.powertrain, 1e4, 1e4);
         let diodes = run(params, dt_s, 60.0, PowertrainInput::default());
         let rectified = run(params, dt_s, 60.0, PowertrainInput::on(1.0));
         let (a, b) = (diodes.last, rectified.last);
@@ -123,7 +124,7 @@ fn gates_off_let_nothing_flow_unless_the_back_emf_exceeds_the_bus() {
         assert!((a.motor_a - b.motor_a).abs() < 1e-3 * b.motor_a.abs(), "{a:?} {b:?}");
     }
     // A current that flows when the gates go off ends, and with it the torque.
-    let plant = Powertrain::new(BMW_I3_60AH.powertrain, DT).unwrap();
+    let plant = Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, DT).unwrap();
     let mut s = plant.at_speed(0.8, 10.0).unwrap();
     assert!(plant.step(&mut s, PowertrainInput::on(0.4)).motor_a > 100.0);
     assert_eq!(plant.step(&mut s, PowertrainInput::default()).motor_a, 0.0);
@@ -134,7 +135,8 @@ fn gates_off_let_nothing_flow_unless_the_back_emf_exceeds_the_bus() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_winding_keeps_the_current_limit_of_its_converter() {
     for dt_s in [1e-6, 1e-4, 1e-2] {
-        let mut params = with_limits(BMW_I3_60AH.powertrain, Real::INFINITY, Real::INFINITY);
+        let mut params =
+            with_limits(BMW_I3_60AH_CONSTANT.powertrain, Real::INFINITY, Real::INFINITY);
         params.converter.current_limit_a = 1000.0;
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         for duty in [0.0, 1.0] {
@@ -152,7 +154,7 @@ fn a_winding_keeps_the_current_limit_of_its_converter() {
 
 #[test]
 fn a_drive_that_charges_feeds_the_auxiliary_load() {
-    let params = with_limits(BMW_I3_60AH.powertrain, 1.0, 150.0);
+    let params = with_limits(BMW_I3_60AH_CONSTANT.powertrain, 1.0, 150.0);
     for soc in [0.5, 0.0] {
         let plant = Powertrain::new(params, crate::must!(Dt::from_s(0.001))).unwrap();
         let mut s = plant.at_speed(soc, 30.0).unwrap();
@@ -175,7 +177,8 @@ fn a_drive_that_charges_feeds_the_auxiliary_load() {
 fn what_a_full_battery_is_forced_to_take_has_a_name() {
     for dt_s in [1e-3, 1e-4] {
         let plant =
-            Powertrain::with_ledger(BMW_I3_60AH.powertrain, Dt::from_s(dt_s).unwrap()).unwrap();
+            Powertrain::with_ledger(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap())
+                .unwrap();
         let mut s = plant.at_speed(1.0, 55.0).unwrap();
         let road = Road { grade: Grade::from_sin(-0.1), ..Road::default() };
         let (start, mut into_c, mut overcharged_c) = (s, 0.0, 0.0);
@@ -194,12 +197,38 @@ fn what_a_full_battery_is_forced_to_take_has_a_name() {
     }
 }
 
+/// A load whose own voltage drop cuts it out does not switch from step to step.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn a_load_that_was_cut_out_waits_for_its_voltage() {
+    let mut params = BMW_I3_60AH_CONSTANT.powertrain;
+    (params.auxiliary.power_w, params.battery.series_resistance_ohm) = (8000.0, 0.3);
+    for (cut_out_v, most) in [(370.0, 2), (360.0, 20)] {
+        params.auxiliary.cut_out_v = cut_out_v;
+        for dt_s in [1e-2, 1e-3, 1e-4] {
+            let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
+            let mut s = plant.at_rest(0.55).unwrap();
+            // A drive that pulls the voltage down and lets it go, once a second.
+            let (mut switches, mut last) = (0, true);
+            for n in 0..(10.0 / dt_s) as u32 {
+                let pulls = (n as Real * dt_s) % 1.0 < 0.1 && cut_out_v < 370.0;
+                let duty = if pulls { 0.004 } else { 0.0 };
+                let now = plant.step(&mut s, PowertrainInput::on(duty)).flows.auxiliary > 0.0;
+                switches += u32::from(now != last);
+                last = now;
+            }
+            assert!(switches <= most, "{cut_out_v} {dt_s}: {switches}");
+        }
+    }
+}
+
 /// The converter's drop from no current on: 427.8 A where the step is short.
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn the_drop_of_the_converter_does_not_keep_a_current_from_growing() {
     for (dt_s, within) in [(1e-2, 0.1), (1e-3, 0.01), (1e-4, 1e-3), (1e-5, 1e-3)] {
-        let plant = Powertrain::new(BMW_I3_60AH.powertrain, Dt::from_s(dt_s).unwrap()).unwrap();
+        let plant =
+            Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap()).unwrap();
         let mut s = plant.at_rest(0.8).unwrap();
         for _ in 0..(0.03 / dt_s).round() as u32 {
             plant.step(&mut s, PowertrainInput::on(0.01));
