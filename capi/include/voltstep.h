@@ -4,7 +4,7 @@
  * Cortex-M4F and on a PC.
  *
  *   VoltstepParams params;
- *   voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3, &params);
+ *   voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, &params);
  *   static VoltstepPlant plant;                        // read only from here on
  *   voltstep_plant_init(&plant, &params, 0.001f);      // names a bad parameter by its code
  *   static VoltstepState state;                        // a snapshot is a copy of it
@@ -210,8 +210,9 @@ enum VoltstepPreset
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // A physical BMW i3 60 Ah, driven by torque.
-  VOLTSTEP_PRESET_BMW_I3 = 0,
+  // A physical BMW i3 60 Ah, driven by torque, with a battery of constant parameters:
+  // `bmw-i3-60ah-constant`. The mapped battery of `bmw-i3-60ah` is not in this interface yet.
+  VOLTSTEP_PRESET_BMW_I3_CONSTANT = 0,
   // The BMW i3 of `EPowertrain` (2025), Table 5.6, to the letter.
   VOLTSTEP_PRESET_BMW_I3_EPOWERTRAIN = 1,
   // The UDDS vehicle of `EPowertrain` (2025) that gives its published state of charge.
@@ -636,15 +637,15 @@ typedef struct VoltstepSnapshot {
 extern "C" {
 #endif // __cplusplus
 
+// The words of a code: for a parameter, its field and the rule that it broke. The text is static
+// and ends with a zero; for a number that is no code it is "unknown code". Never null.
+const char *voltstep_error_message(uint32_t code);
+
 // Fills `params` with one of `VoltstepPreset`.
 //
 // # Safety
 // `params` is null, or points to memory of its type that may be written.
 VoltstepStatus voltstep_params_preset(uint32_t preset, struct VoltstepParams *params);
-
-// The words of a code: for a parameter, its field and the rule that it broke. The text is static
-// and ends with a zero; for a number that is no code it is "unknown code". Never null.
-const char *voltstep_error_message(uint32_t code);
 
 // Checks `params` and discretises them for steps of `dt_s` seconds. Writes `plant` only if they
 // are good; a bad one is named by the code.

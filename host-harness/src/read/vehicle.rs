@@ -106,7 +106,7 @@ enum BatteryField {
     /// A built-in one, or a file beside the vehicle's.
     Named(String),
     /// The parameters themselves.
-    Inline(BatteryParams),
+    Inline(Box<BatteryParams>),
 }
 
 impl<'de> Deserialize<'de> for BatteryField {
@@ -130,7 +130,8 @@ impl<'de> Visitor<'de> for BatteryVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<BatteryField, A::Error> {
-        BatteryParams::deserialize(MapAccessDeserializer::new(table)).map(BatteryField::Inline)
+        let battery = BatteryParams::deserialize(MapAccessDeserializer::new(table))?;
+        Ok(BatteryField::Inline(Box::new(battery)))
     }
 }
 
@@ -194,7 +195,7 @@ fn chosen(
     field: BatteryField,
 ) -> Result<VehicleBattery, InputError> {
     let name = match field {
-        BatteryField::Inline(battery) => return Ok(VehicleBattery::Constant(battery)),
+        BatteryField::Inline(battery) => return Ok(VehicleBattery::Constant(*battery)),
         BatteryField::Named(name) => name,
     };
     let found = if is_toml(&name) {
