@@ -111,9 +111,15 @@ fn without_a_driver_the_inputs_say_the_duty() {
     let driver = VoltstepDriverKind::None as u32;
     let plant = plant(&VoltstepParams { driver, ..preset(VoltstepPreset::BmwI3Constant) });
     let mut state = state(&plant, 0.8);
-    let input = VoltstepInputs { duty: 0.05, ..inputs(0.0) };
+    let input = VoltstepInputs { duty: 0.01, ..inputs(0.0) };
     let out = (0..100).map(|_| step(&plant, &mut state, &input).1).last().unwrap();
-    assert!(out.duty == 0.05 && out.speed_m_s > 0.0, "{out:?}");
+    assert!(out.duty == 0.01 && out.speed_m_s > 0.0, "{out:?}");
+    // By default the gates are off.
+    let (_, off) = step(&plant, &mut state, &inputs(0.0));
+    assert!(off.motor_a == 0.0 && off.duty == 0.0 && !off.rejected, "{off:?}");
+    let limited = VoltstepInputs { discharge_limit_a: 5.0, ..input };
+    let out = (0..100).map(|_| step(&plant, &mut state, &limited).1).last().unwrap();
+    assert!((out.battery_a - 5.0).abs() < 0.1 && out.limited == 1, "{out:?}");
 }
 
 #[test]
