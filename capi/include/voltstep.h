@@ -26,10 +26,10 @@
 #include <stdint.h>
 
 // Words (4 bytes) of a `VoltstepPlant`.
-#define VOLTSTEP_PLANT_WORDS 176
+#define VOLTSTEP_PLANT_WORDS 192
 
 // Words (4 bytes) of a `VoltstepState`.
-#define VOLTSTEP_STATE_WORDS 40
+#define VOLTSTEP_STATE_WORDS 48
 
 // Version of this interface. `VoltstepParams.abi` must hold it, so that a header and a library
 // that do not belong together are noticed.
@@ -95,9 +95,9 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_BATTERY_DISCHARGE_LIMIT_A = 114,
   // `battery.charge_limit_a` must be at least 1e-12 (infinity: no limit).
   VOLTSTEP_STATUS_BATTERY_CHARGE_LIMIT_A = 115,
-  // `battery.open_circuit.linear.empty_v` must be finite and between -1e12 and 1e12.
+  // `battery.open_circuit.linear.empty_v` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_BATTERY_EMPTY_V = 116,
-  // `battery.open_circuit.linear.full_v` must be finite and between -1e12 and 1e12.
+  // `battery.open_circuit.linear.full_v` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_BATTERY_FULL_V = 117,
   // `battery.open_circuit.linear.full_v` must not decrease from one entry to the next.
   VOLTSTEP_STATUS_BATTERY_FULL_V_DECREASING = 118,
@@ -119,6 +119,8 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_CONVERTER_VOLTAGE_DROP_V = 152,
   // `converter.resistance_ohm` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_CONVERTER_RESISTANCE_OHM = 153,
+  // `converter.current_limit_a` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_CONVERTER_CURRENT_LIMIT_A = 154,
   // `motor.resistance_ohm` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_MOTOR_RESISTANCE_OHM = 160,
   // `motor.inductance_h` must be finite and between 1e-12 and 1e12.
@@ -157,7 +159,7 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_BODY_ROLLING_COEFFICIENT = 194,
   // `body.resistance.a_n` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_BODY_AN = 195,
-  // `body.resistance.b_n_s_per_m` must be finite, zero or above, and at most 1e12.
+  // `body.resistance.b_n_s_per_m` must lie in the range that its documentation gives.
   VOLTSTEP_STATUS_BODY_BNS_PER_M = 196,
   // `body.resistance.c_n_s2_per_m2` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_BODY_CNS2_PER_M2 = 197,
@@ -321,18 +323,22 @@ typedef uint32_t VoltstepWindup;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Whether a battery limit changed the duty.
+// What changed the duty, if anything.
 enum VoltstepLimited
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // The duty is the commanded one.
+  // The duty is the commanded one; or the gates are off.
   VOLTSTEP_LIMITED_NO = 0,
   // The discharge limit, or what is left to discharge, held it back.
   VOLTSTEP_LIMITED_DISCHARGE = 1,
   // The charge limit, or what is left to charge, held it back.
   VOLTSTEP_LIMITED_CHARGE = 2,
+  // The commanded duty lay beyond the converter's limit.
+  VOLTSTEP_LIMITED_DUTY = 3,
+  // The converter's current limit held it back.
+  VOLTSTEP_LIMITED_CURRENT = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -388,6 +394,8 @@ typedef struct VoltstepConverterParams {
   float voltage_drop_v;
   // Resistance in the output, in ohm; zero or above.
   float resistance_ohm;
+  // Largest magnitude of the output current in A; above zero, infinity for none.
+  float current_limit_a;
 } VoltstepConverterParams;
 
 // What is known about the DC motor.
@@ -542,7 +550,7 @@ typedef struct VoltstepInputs {
   float reference_m_s;
   // With the torque driver: how fast that changes, in m/s^2; 0 where it is not known.
   float reference_m_s2;
-  // Without a driver: duty of the converter, a ratio -1..1.
+  // Without a driver: duty of the converter, a ratio -1..1; NaN, the default, for gates off.
   float duty;
   // Force of the friction brake in N, beside that of the driver; zero or above.
   float brake_n;
@@ -554,11 +562,15 @@ typedef struct VoltstepInputs {
   float headwind_m_s;
   // Auxiliary power beside the parameter in W; zero or above.
   float auxiliary_w;
+  // What the battery's management lets it discharge, in A; zero or above, infinity for any.
+  float discharge_limit_a;
+  // What the battery's management lets it charge, in A; zero or above, infinity for any.
+  float charge_limit_a;
 } VoltstepInputs;
 
 // What one step says. Discharge current, traction torque and forward speed are positive.
 typedef struct VoltstepOutputs {
-  // The duty applied, a ratio.
+  // The duty applied, a ratio; with gates off +-1 while the diodes conduct, else 0.
   float duty;
   // Force of the friction brake that was commanded, in N.
   float brake_n;
@@ -580,9 +592,14 @@ typedef struct VoltstepOutputs {
   float motor_nm;
   // Motor speed in rad/s.
   float motor_rad_s;
+  // How far the battery's current is beyond its limits all the same, in A; zero or above.
+  float limit_exceeded_a;
+  // Charge of this step that went into a full battery, or, negative, out of an empty one, and is
+  // lost, in C.
+  float overcharged_c;
   // One of `VoltstepLimited`.
   uint32_t limited;
-  // The battery could not even feed the auxiliary loads: they were cut off.
+  // Neither battery nor drive could feed the auxiliary loads: they were cut off.
   bool auxiliary_starved;
   // The plant refused the step and is as it was.
   bool rejected;

@@ -44,6 +44,7 @@ impl VoltstepParams {
                 constant_loss_w: self.converter.constant_loss_w,
                 voltage_drop_v: self.converter.voltage_drop_v,
                 resistance_ohm: self.converter.resistance_ohm,
+                current_limit_a: self.converter.current_limit_a,
             },
             motor: DcMotorParams {
                 resistance_ohm: self.motor.resistance_ohm,
@@ -201,6 +202,7 @@ impl From<&Vehicle> for VoltstepParams {
                 constant_loss_w: p.converter.constant_loss_w,
                 voltage_drop_v: p.converter.voltage_drop_v,
                 resistance_ohm: p.converter.resistance_ohm,
+                current_limit_a: p.converter.current_limit_a,
             },
             motor: VoltstepMotorParams {
                 resistance_ohm: p.motor.resistance_ohm,

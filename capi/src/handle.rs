@@ -11,9 +11,9 @@ use crate::params::VOLTSTEP_ABI;
 use crate::status::VoltstepStatus;
 
 /// Words (4 bytes) of a `VoltstepPlant`.
-pub const VOLTSTEP_PLANT_WORDS: usize = 176;
+pub const VOLTSTEP_PLANT_WORDS: usize = 192;
 /// Words (4 bytes) of a `VoltstepState`.
-pub const VOLTSTEP_STATE_WORDS: usize = 40;
+pub const VOLTSTEP_STATE_WORDS: usize = 48;
 
 /// A vehicle with its driver, checked and discretised for one step. Opaque: set it up by
 /// `voltstep_plant_init`; from then on it is only read, so any number of states may share it.

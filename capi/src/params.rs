@@ -125,6 +125,8 @@ pub struct VoltstepConverterParams {
     pub voltage_drop_v: f32,
     /// Resistance in the output, in ohm; zero or above.
     pub resistance_ohm: f32,
+    /// Largest magnitude of the output current in A; above zero, infinity for none.
+    pub current_limit_a: f32,
 }
 
 /// What is known about the DC motor.

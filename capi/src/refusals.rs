@@ -29,6 +29,9 @@ macro_rules! rule {
     (NotAbove) => {
         "must lie above the field that limits it from below"
     };
+    (OutOfRange) => {
+        "must lie in the range that its documentation gives"
+    };
     (Decreasing) => {
         "must not decrease from one entry to the next"
     };
@@ -62,8 +65,8 @@ refusals! {
     BatteryPolarisationCapacitanceF: NotPositive "battery.polarisation.capacitance_f",
     BatteryDischargeLimitA: NotALimit "battery.discharge_limit_a",
     BatteryChargeLimitA: NotALimit "battery.charge_limit_a",
-    BatteryEmptyV: NotFinite "battery.open_circuit.linear.empty_v",
-    BatteryFullV: NotFinite "battery.open_circuit.linear.full_v",
+    BatteryEmptyV: Negative "battery.open_circuit.linear.empty_v",
+    BatteryFullV: NotPositive "battery.open_circuit.linear.full_v",
     BatteryFullVDecreasing: Decreasing "battery.open_circuit.linear.full_v",
     BatteryTableV: NotFinite "battery.open_circuit.table",
     BatteryTableVDecreasing: Decreasing "battery.open_circuit.table",
@@ -74,6 +77,7 @@ refusals! {
     ConverterConstantLossW: Negative "converter.constant_loss_w",
     ConverterVoltageDropV: Negative "converter.voltage_drop_v",
     ConverterResistanceOhm: Negative "converter.resistance_ohm",
+    ConverterCurrentLimitA: NotALimit "converter.current_limit_a",
     MotorResistanceOhm: NotPositive "motor.resistance_ohm",
     MotorInductanceH: NotPositive "motor.inductance_h",
     MotorBackEmf: NotPositive "motor.back_emf_v_s_per_rad",
@@ -93,7 +97,7 @@ refusals! {
     BodyAirDensity: Negative "body.resistance.air_density_kg_m3",
     BodyRollingCoefficient: Negative "body.resistance.rolling_coefficient",
     BodyAN: Negative "body.resistance.a_n",
-    BodyBNSPerM: Negative "body.resistance.b_n_s_per_m",
+    BodyBNSPerM: OutOfRange "body.resistance.b_n_s_per_m",
     BodyCNS2PerM2: Negative "body.resistance.c_n_s2_per_m2",
     PidProportional: NotFinite "pid.proportional",
     PidIntegralPerS: Negative "pid.integral_per_s",

@@ -55,9 +55,9 @@ pub enum VoltstepStatus {
     BatteryDischargeLimitA = 114,
     /// `battery.charge_limit_a` must be at least 1e-12 (infinity: no limit).
     BatteryChargeLimitA = 115,
-    /// `battery.open_circuit.linear.empty_v` must be finite and between -1e12 and 1e12.
+    /// `battery.open_circuit.linear.empty_v` must be finite, zero or above, and at most 1e12.
     BatteryEmptyV = 116,
-    /// `battery.open_circuit.linear.full_v` must be finite and between -1e12 and 1e12.
+    /// `battery.open_circuit.linear.full_v` must be finite and between 1e-12 and 1e12.
     BatteryFullV = 117,
     /// `battery.open_circuit.linear.full_v` must not decrease from one entry to the next.
     BatteryFullVDecreasing = 118,
@@ -79,6 +79,8 @@ pub enum VoltstepStatus {
     ConverterVoltageDropV = 152,
     /// `converter.resistance_ohm` must be finite, zero or above, and at most 1e12.
     ConverterResistanceOhm = 153,
+    /// `converter.current_limit_a` must be at least 1e-12 (infinity: no limit).
+    ConverterCurrentLimitA = 154,
     /// `motor.resistance_ohm` must be finite and between 1e-12 and 1e12.
     MotorResistanceOhm = 160,
     /// `motor.inductance_h` must be finite and between 1e-12 and 1e12.
@@ -117,7 +119,7 @@ pub enum VoltstepStatus {
     BodyRollingCoefficient = 194,
     /// `body.resistance.a_n` must be finite, zero or above, and at most 1e12.
     BodyAN = 195,
-    /// `body.resistance.b_n_s_per_m` must be finite, zero or above, and at most 1e12.
+    /// `body.resistance.b_n_s_per_m` must lie in the range that its documentation gives.
     BodyBNSPerM = 196,
     /// `body.resistance.c_n_s2_per_m2` must be finite, zero or above, and at most 1e12.
     BodyCNS2PerM2 = 197,

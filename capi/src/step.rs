@@ -1,7 +1,9 @@
 //! Setting up, stepping, looking.
 
 use plant_core::Accum;
+use plant_core::battery::CurrentLimits;
 use plant_core::control::driver::{DriverInput, DriverOutput};
+use plant_core::converter::Gates;
 use plant_core::powertrain::Feedback;
 use plant_core::powertrain::{Limited, PowertrainInput};
 use plant_core::presets;
@@ -13,16 +15,20 @@ use crate::handle::{
 use crate::params::{VoltstepParams, VoltstepPreset};
 use crate::status::VoltstepStatus;
 
-/// Whether a battery limit changed the duty.
+/// What changed the duty, if anything.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VoltstepLimited {
-    /// The duty is the commanded one.
+    /// The duty is the commanded one; or the gates are off.
     No = 0,
     /// The discharge limit, or what is left to discharge, held it back.
     Discharge = 1,
     /// The charge limit, or what is left to charge, held it back.
     Charge = 2,
+    /// The commanded duty lay beyond the converter's limit.
+    Duty = 3,
+    /// The converter's current limit held it back.
+    Current = 4,
 }
 
 /// What drives one step. Start from `voltstep_inputs_default`.
@@ -33,7 +39,7 @@ pub struct VoltstepInputs {
     pub reference_m_s: f32,
     /// With the torque driver: how fast that changes, in m/s^2; 0 where it is not known.
     pub reference_m_s2: f32,
-    /// Without a driver: duty of the converter, a ratio -1..1.
+    /// Without a driver: duty of the converter, a ratio -1..1; NaN, the default, for gates off.
     pub duty: f32,
     /// Force of the friction brake in N, beside that of the driver; zero or above.
     pub brake_n: f32,
@@ -45,13 +51,17 @@ pub struct VoltstepInputs {
     pub headwind_m_s: f32,
     /// Auxiliary power beside the parameter in W; zero or above.
     pub auxiliary_w: f32,
+    /// What the battery's management lets it discharge, in A; zero or above, infinity for any.
+    pub discharge_limit_a: f32,
+    /// What the battery's management lets it charge, in A; zero or above, infinity for any.
+    pub charge_limit_a: f32,
 }
 
 /// What one step says. Discharge current, traction torque and forward speed are positive.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoltstepOutputs {
-    /// The duty applied, a ratio.
+    /// The duty applied, a ratio; with gates off +-1 while the diodes conduct, else 0.
     pub duty: f32,
     /// Force of the friction brake that was commanded, in N.
     pub brake_n: f32,
@@ -73,9 +83,14 @@ pub struct VoltstepOutputs {
     pub motor_nm: f32,
     /// Motor speed in rad/s.
     pub motor_rad_s: f32,
+    /// How far the battery's current is beyond its limits all the same, in A; zero or above.
+    pub limit_exceeded_a: f32,
+    /// Charge of this step that went into a full battery, or, negative, out of an empty one, and is
+    /// lost, in C.
+    pub overcharged_c: f32,
     /// One of `VoltstepLimited`.
     pub limited: u32,
-    /// The battery could not even feed the auxiliary loads: they were cut off.
+    /// Neither battery nor drive could feed the auxiliary loads: they were cut off.
     pub auxiliary_starved: bool,
     /// The plant refused the step and is as it was.
     pub rejected: bool,
@@ -195,12 +210,14 @@ pub unsafe extern "C" fn voltstep_inputs_default(inputs: *mut VoltstepInputs) ->
     let none = VoltstepInputs {
         reference_m_s: 0.0,
         reference_m_s2: 0.0,
-        duty: 0.0,
+        duty: f32::NAN,
         brake_n: 0.0,
         grade_sin: 0.0,
         grade_cos: 1.0,
         headwind_m_s: 0.0,
         auxiliary_w: 0.0,
+        discharge_limit_a: f32::INFINITY,
+        charge_limit_a: f32::INFINITY,
     };
     // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
     unsafe { write_to(inputs, none) }
@@ -261,9 +278,14 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
         ),
         None => DriverOutput { duty: inputs.duty, brake_n: 0.0, rejected: false },
     };
+    let off = plant.driver.is_none() && command.duty.is_nan();
     let mut input = PowertrainInput {
-        duty: command.duty,
+        gates: if off { Gates::Off } else { Gates::On(command.duty) },
         auxiliary_w: inputs.auxiliary_w,
+        limits: CurrentLimits {
+            discharge_a: inputs.discharge_limit_a,
+            charge_a: inputs.charge_limit_a,
+        },
         ..PowertrainInput::default()
     };
     input.road.brake_n = command.brake_n + inputs.brake_n;
@@ -284,10 +306,14 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
         motor_a: out.motor_a,
         motor_nm: out.motor_nm,
         motor_rad_s: out.motor_rad_s,
+        limit_exceeded_a: out.limit_exceeded_a,
+        overcharged_c: out.overcharged_c,
         limited: match out.limited {
             Limited::No => VoltstepLimited::No,
             Limited::Discharge => VoltstepLimited::Discharge,
             Limited::Charge => VoltstepLimited::Charge,
+            Limited::Duty => VoltstepLimited::Duty,
+            Limited::Current => VoltstepLimited::Current,
         } as u32,
         auxiliary_starved: out.auxiliary_starved,
         rejected: out.rejected,

@@ -89,7 +89,7 @@ fn every_preset_steps_as_the_models_do() {
             let reference_m_s = f32::from(n) * 0.01;
             let driven = DriverInput { reference_m_s, reference_m_s2: 0.0, vehicle: seen };
             let command = driver.step(&mut driver_state, driven);
-            let mut input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
+            let mut input = PowertrainInput::on(command.duty);
             input.road.brake_n = command.brake_n;
             let wanted = model.step(&mut model_state, input);
             seen = Feedback::from(&wanted);
@@ -111,9 +111,15 @@ fn without_a_driver_the_inputs_say_the_duty() {
     let driver = VoltstepDriverKind::None as u32;
     let plant = plant(&VoltstepParams { driver, ..preset(VoltstepPreset::BmwI3Constant) });
     let mut state = state(&plant, 0.8);
-    let input = VoltstepInputs { duty: 0.05, ..inputs(0.0) };
+    let input = VoltstepInputs { duty: 0.01, ..inputs(0.0) };
     let out = (0..100).map(|_| step(&plant, &mut state, &input).1).last().unwrap();
-    assert!(out.duty == 0.05 && out.speed_m_s > 0.0, "{out:?}");
+    assert!(out.duty == 0.01 && out.speed_m_s > 0.0, "{out:?}");
+    // By default the gates are off.
+    let (_, off) = step(&plant, &mut state, &inputs(0.0));
+    assert!(off.motor_a == 0.0 && off.duty == 0.0 && !off.rejected, "{off:?}");
+    let limited = VoltstepInputs { discharge_limit_a: 2.5, ..input };
+    let out = (0..100).map(|_| step(&plant, &mut state, &limited).1).last().unwrap();
+    assert!((out.battery_a - 2.5).abs() < 0.03 && out.limited == 1, "{out:?}");
 }
 
 #[test]
@@ -264,7 +270,7 @@ fn every_bad_parameter_has_a_code_of_its_own() {
             polarisation_capacitance_f discharge_limit_a charge_limit_a empty_v full_v
         }
         auxiliary { power_w resistance_ohm cut_out_v }
-        converter { duty_limit constant_loss_w voltage_drop_v resistance_ohm }
+        converter { duty_limit constant_loss_w voltage_drop_v resistance_ohm current_limit_a }
         motor {
             resistance_ohm inductance_h back_emf_v_s_per_rad torque_nm_per_a inertia_kg_m2
             viscous_nm_s_per_rad coulomb_nm

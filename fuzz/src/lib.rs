@@ -4,10 +4,10 @@
 use plant_core::Dt;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{
-    BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
-    OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+    BatteryParams, BranchMap, CurrentLimits, HysteresisParams, IdentifiedRange,
+    MappedBatteryParams, OpenCircuit, OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
 };
-use plant_core::converter::ConverterParams;
+use plant_core::converter::{ConverterParams, Gates};
 use plant_core::machine::dc::DcMotorParams;
 use plant_core::mechanics::body::{BodyParams, Road, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
@@ -115,6 +115,7 @@ fn plant(bits: &mut Bits<'_>) -> PowertrainParams {
             constant_loss_w: bits.next(),
             voltage_drop_v: bits.next(),
             resistance_ohm: bits.next(),
+            current_limit_a: bits.next(),
         },
         motor: DcMotorParams {
             resistance_ohm: bits.next(),
@@ -168,13 +169,14 @@ fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
 
 fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     PowertrainInput {
-        duty: bits.next(),
+        gates: if bits.next() < 0.0 { Gates::Off } else { Gates::On(bits.next()) },
         road: Road {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),
             brake_n: bits.next(),
         },
         auxiliary_w: bits.next(),
+        limits: CurrentLimits { discharge_a: bits.next(), charge_a: bits.next() },
     }
 }
 

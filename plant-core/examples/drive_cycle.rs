@@ -31,8 +31,7 @@ fn main() -> Result<(), ParamError> {
         let (reference_m_s, reference_m_s2) = (wanted.value, wanted.rate_per_s);
         let input = DriverInput { reference_m_s, reference_m_s2, vehicle: seen };
         let command = DRIVER.step(&mut driver, input);
-        let input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
-        seen = Feedback::from(&PLANT.step(&mut plant, input));
+        seen = Feedback::from(&PLANT.step(&mut plant, PowertrainInput::on(command.duty)));
         worst_m_s = plant_core::num::max(worst_m_s, (seen.speed_m_s - reference_m_s).abs());
     }
 

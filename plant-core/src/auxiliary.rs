@@ -10,7 +10,13 @@
 
 use crate::error::{ParamError, check, limit, not_negative};
 use crate::model::impl_model;
-use crate::num::{Real, sane};
+use crate::num::{Real, max, sane};
+
+/// Once cut out, the constant power comes back in the coupled plant where the voltage has been above
+/// this multiple of the cut-out voltage for [`REARM_S`].
+pub const REARM_RATIO: Real = 1.02;
+/// See [`REARM_RATIO`] \[s\].
+pub const REARM_S: Real = 1.0;
 
 /// Parameters of the auxiliary loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,6 +114,17 @@ impl Auxiliary {
     #[must_use]
     pub const fn constant_power_a(&self, asked_w: Real, voltage_v: Real) -> Real {
         if voltage_v >= self.cut_out_v { (self.power_w + asked_w) / voltage_v } else { 0.0 }
+    }
+
+    /// How long the constant power still stays cut out after a step of `dt_s` that ended at
+    /// `voltage_v`, given how long before it \[s\]; 0 where it is not.
+    ///
+    /// A load that comes back as soon as its own voltage drop is gone would switch in every step.
+    #[inline]
+    #[must_use]
+    pub const fn cut_out_s(&self, before_s: Real, voltage_v: Real, dt_s: Real) -> Real {
+        let back_v = if before_s > 0.0 { REARM_RATIO * self.cut_out_v } else { self.cut_out_v };
+        if voltage_v < back_v { REARM_S } else { max(before_s - dt_s, 0.0) }
     }
 
     /// One instant of the load on its own.

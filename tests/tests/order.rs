@@ -187,7 +187,7 @@ fn plant_at_duty(vehicle: &Vehicle, n: u32, pick: usize) -> Vec<f64> {
     let duty = idle / s.battery_v;
     at_common_instants(LONGEST_S, n, 1.0, |t| {
         let duty = duty * (1.0 + 0.3 * smooth(t + h));
-        let out = plant.step(&mut s, PowertrainInput { duty, ..PowertrainInput::default() });
+        let out = plant.step(&mut s, PowertrainInput::on(duty));
         [out.speed_m_s, out.motor_a][pick]
     })
 }
@@ -220,7 +220,7 @@ fn the_closed_loop_is_of_first_order_from_2_ms() {
                 vehicle: feedback,
             };
             let duty = driver.step(&mut ds, input).duty;
-            let out = plant.step(&mut ps, PowertrainInput { duty, ..PowertrainInput::default() });
+            let out = plant.step(&mut ps, PowertrainInput::on(duty));
             feedback = Feedback::from(&out);
             out.speed_m_s
         })
@@ -338,7 +338,7 @@ macro_rules! in_precision {
                     let stored = |v: $real, i: $real| 0.5 * mass * v * v + 0.5e-3 * i * i;
                     let mut before = stored(20.0, 50.0);
                     for _ in 0..20_000 {
-                        let out = plant.step(&mut s, PowertrainInput::default());
+                        let out = plant.step(&mut s, PowertrainInput::on(0.0));
                         let now = stored(out.speed_m_s, out.motor_a);
                         assert!(now <= before * (1.0 + $steady), "{ratio}: {before} to {now}");
                         before = now;
@@ -354,7 +354,7 @@ macro_rules! in_precision {
                 let ends = [1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0].map(|h: $real| {
                     let plant = Powertrain::new(params, dt(h)).unwrap();
                     let mut s = plant.at_speed(0.8, 10.0).unwrap();
-                    let input = PowertrainInput { duty: 0.15, ..PowertrainInput::default() };
+                    let input = PowertrainInput::on(0.15);
                     for _ in 0..super::count((60.0 / h).clamp(200.0, 6e5).into()) {
                         plant.step(&mut s, input);
                     }

@@ -67,7 +67,7 @@ macro_rules! in_precision {
                                 vehicle: feedback,
                             };
                             let duty = driver.step(&mut driving, input).duty;
-                            let input = PowertrainInput { duty, ..PowertrainInput::default() };
+                            let input = PowertrainInput::on(duty);
                             feedback = Feedback::from(&plant.step(&mut state, input));
                         }
                     }

@@ -284,7 +284,7 @@ fn converter_bench() {
                     let along = (t + dt_s - times[n - 1]) / (times[n] - times[n - 1]);
                     (duties[n - 1] + along * (duties[n] - duties[n - 1])) as f32
                 };
-                let seen = Converter::seen_through(Source::stiff(supply_v), duty, 0.0);
+                let seen = Converter::seen_through(Source::stiff(supply_v), duty);
                 let (law, current) = motor.winding().law(seen, i, w);
                 let (dw, slip) = load.solve(&s.load, law, motor.coast());
                 s.motor.current_a.add(current.increment_a(dw));

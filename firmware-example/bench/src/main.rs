@@ -152,7 +152,7 @@ fn run() -> Option<()> {
         let motor_nm = 0.27 * i;
         let current_a = seen.duty * i;
         let distance_m = common.torque_off.plant.body.distance_m.get();
-        let input = PowertrainInput { duty: seen.duty, ..PowertrainInput::default() };
+        let input = PowertrainInput::on(seen.duty);
         call!(powertrain, items::bench_powertrain, &mut plant, &input);
         call!(battery, items::bench_battery, &mut common.battery, &BatteryInput { current_a });
         let input = MappedBatteryInput { current_a };

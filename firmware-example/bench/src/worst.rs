@@ -105,7 +105,7 @@ fn look<L: Book, B: Pack>(
         vehicle: state.seen,
     };
     let command = rig.driver.step(&mut state.driver, driven);
-    let mut input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
+    let mut input = PowertrainInput::on(command.duty);
     input.road.brake_n = command.brake_n;
     let out = rig.plant.step(&mut state.plant, input);
     came.discharge |= out.limited == Limited::Discharge;

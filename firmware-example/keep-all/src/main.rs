@@ -12,14 +12,14 @@ use cortex_m_rt::entry;
 use panic_halt as _;
 use plant_core::auxiliary::Auxiliary;
 use plant_core::battery::{
-    Battery, BatteryParams, BatteryState, BranchMap, IdentifiedRange, MappedBattery,
+    Battery, BatteryParams, BatteryState, BranchMap, CurrentLimits, IdentifiedRange, MappedBattery,
     MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
 };
 use plant_core::control::driver::{Driver, TorqueDriver};
 use plant_core::control::foc::reference::Torque;
 use plant_core::control::foc::{Foc, FocState};
 use plant_core::control::pid::{Pid, PidState};
-use plant_core::converter::Converter;
+use plant_core::converter::{Converter, Gates};
 use plant_core::error;
 use plant_core::machine::dc::{CurrentLaw, DcMotor, Winding};
 use plant_core::machine::flux::Flux;
@@ -33,7 +33,7 @@ use plant_core::mechanics::wheel::Wheel;
 use plant_core::num::{self, SocTable};
 use plant_core::port::{self, Coast, Slip, Source};
 use plant_core::powertrain::ledger::{EnergyLedger, EnergyReport, NoLedger};
-use plant_core::powertrain::{Powertrain, PowertrainParams};
+use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
 use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
 use plant_core::signal::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
 use plant_core::{Accum, Dt, Model, ParamError};
@@ -80,13 +80,13 @@ fn main() -> ! {
 #[rustfmt::skip]
 fn components() {
     keep!(
-        Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::step,
-        BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::next,
-        Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,
+        Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,
+        BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::faded,
+        Battery::next, CurrentLimits::within, Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,
         Battery::is_depleted, Battery::is_full, Battery::step,
         MappedBattery::new, MappedBattery::rested, MappedBattery::rested_at,
         MappedBattery::params, MappedBattery::resistances, MappedBattery::set_temperature,
-        MappedBattery::offer, MappedBattery::limits, MappedBattery::next, MappedBattery::allows,
+        MappedBattery::offer, MappedBattery::limits, MappedBattery::faded, MappedBattery::next, MappedBattery::allows,
         MappedBattery::settle, MappedBattery::refresh, MappedBattery::open_circuit,
         MappedBattery::step, <Battery as Pack>::losses, <MappedBattery as Pack>::losses,
         <MappedBattery as Pack>::discharged_energy_j,
@@ -95,7 +95,7 @@ fn components() {
         OpenCircuit::at, OpenCircuit::mean,
         OpenCircuit::with_slope, OpenCircuit::soc_at, MappedBatteryParams::constant, RcBranch::new, RcBranch::step,
         Resistance::solve, Body::new, Body::coast, Body::resistance, Body::settle, Body::step,
-        Converter::new, Converter::allowed_duty, Converter::series_ohm, Converter::shunt_s,
+        Gates::duty, Converter::new, Converter::allowed_duty, Converter::shunt_s,
         Converter::seen_through, Converter::step,
         CurrentLaw::increment_a, Winding::reflected, Winding::law,
         DcMotor::new, DcMotor::winding, DcMotor::coast, DcMotor::step, DcMotor::step_at_speed,
@@ -113,7 +113,7 @@ fn components() {
         RotationalLoad::new, RotationalLoad::solve, RotationalLoad::settle, RotationalLoad::step,
         VoltageSensor::new, VoltageSensor::step, CurrentSensor::new, CurrentSensor::step,
         AxialSpeedSensor::new, AxialSpeedSensor::step,
-        Grade::from_sin, Grade::from_ratio, SlopeState::starting_at, Slope::new, Slope::step,
+        Grade::from_sin, Grade::from_ratio, SlopeState::starting_at, SlopeState::starting_on, Slope::new, Slope::step,
     );
 }
 
@@ -128,7 +128,7 @@ fn drive() {
         Powertrain::mapped, Powertrain::mapped_with_ledger, Mapped::at_speed, Mapped::step,
         MappedLedgered::step, MappedLedgered::energy,
         Plain::at_rest, Plain::at_speed, Plain::feedback, Plain::battery, Plain::motor_rad_per_m,
-        Plain::moving_mass_kg, Plain::step, Ledgered::at_rest, Ledgered::at_speed,
+        Plain::moving_mass_kg, PowertrainInput::on, Plain::step, Ledgered::at_rest, Ledgered::at_speed,
         Ledgered::step,
         EnergyReport::terms, EnergyReport::residual_rel,
         Step::new, Step::step, Ramp::new, Ramp::step, Sine::new, Sine::step, Square::new,

@@ -23,7 +23,7 @@ fn main() -> ! {
         eprintln!("the state of charge is no ratio");
         ExitCode::FAILURE.exit_process();
     };
-    let input = PowertrainInput { duty: DUTY, ..PowertrainInput::default() };
+    let input = PowertrainInput::on(DUTY);
     for second in 1..=END_S {
         for _ in 1..STEPS_PER_S {
             CAR.step(&mut state, input);

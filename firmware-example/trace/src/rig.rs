@@ -133,7 +133,7 @@ impl<L: Book, B: Pack> Rig<L, B> {
                 vehicle: state.seen,
             },
         );
-        let mut input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
+        let mut input = PowertrainInput::on(command.duty);
         input.road.brake_n = command.brake_n;
         let out = self.plant.step(&mut state.plant, input);
         state.seen = Feedback::from(&out);

@@ -205,9 +205,8 @@ fn drive(mut show: impl FnMut(u32, &PowertrainOutput, f32, f32)) {
             driver.step(&mut driver_state, DriverInput { reference_m_s, reference_m_s2, vehicle });
         let (heating_w, aircon_w) = auxiliaries_w(step);
         let mut input = PowertrainInput {
-            duty: command.duty,
             auxiliary_w: heating_w + aircon_w,
-            ..PowertrainInput::default()
+            ..PowertrainInput::on(command.duty)
         };
         input.road.brake_n = command.brake_n;
         input.road.grade = grade(metres);

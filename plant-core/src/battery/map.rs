@@ -226,12 +226,12 @@ pub(super) const COLDEST_C: Real = -100.0;
 /// Temperatures outside are refused \[°C\].
 pub(super) const HOTTEST_C: Real = 200.0;
 
+pub(super) const fn is_possible(celsius: Real) -> bool {
+    celsius >= COLDEST_C && celsius <= HOTTEST_C
+}
+
 pub(super) const fn temperature(field: &'static str, celsius: Real) -> Result<Real, ParamError> {
-    if celsius >= COLDEST_C && celsius <= HOTTEST_C {
-        Ok(celsius)
-    } else {
-        Err(ParamError::OutOfRange(field))
-    }
+    if is_possible(celsius) { Ok(celsius) } else { Err(ParamError::OutOfRange(field)) }
 }
 
 /// Where the parameters were identified. Outside, the values of the nearer end hold, and the

@@ -8,11 +8,11 @@
 //! Tests: `tests` below; property `mapped`; cases "battery with maps", "UDDS, bmw-i3-60ah with its
 //! battery map".
 
-use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, temperature};
-use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
+use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, is_possible, temperature};
+use super::{CurrentLimits, OpenCircuit, Room, SOC_MARGIN};
 use crate::error::{ParamError, check, ratio};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, min, sane, sign};
+use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sign};
 use crate::port::Source;
 
 /// A battery with parameters over state of charge and temperature, discretised for one step.
@@ -54,6 +54,7 @@ pub struct MappedBattery {
     /// is lost in it.
     warming_k_per_j: Real,
     cooling_gain: Real,
+    room: Room,
 }
 
 /// The resistances at an operating point \[Ω\].
@@ -70,7 +71,7 @@ pub struct Resistances {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MappedBatteryState {
-    /// State of charge, 0..1.
+    /// State of charge, 0..1. May be set from an estimate; what lies outside is held at the end.
     pub soc: Accum,
     /// Voltage across the RC branches, positive when discharging \[V\].
     pub polarisation_v: [Accum; 2],
@@ -78,8 +79,11 @@ pub struct MappedBatteryState {
     pub hysteresis: Accum,
     /// Temperature \[°C\]; may be set between steps where it is measured.
     pub temperature_c: Accum,
-    /// Temperature of the surroundings \[°C\]; may be set between steps.
+    /// Temperature of the surroundings \[°C\]; may be set between steps. One that is not finite or
+    /// absurd is ignored: the last good one holds.
     pub ambient_c: Real,
+    /// The last good one \[°C\].
+    surroundings_c: Real,
     /// Heat since the last refresh \[J\].
     heat_j: Real,
     /// The resistances since then.
@@ -176,6 +180,14 @@ impl MappedBattery {
             refresh_steps,
             warming_k_per_j: (1.0 - cooling_gain) / capacity_j_per_k,
             cooling_gain,
+            room: Room::new(
+                capacity_c,
+                CurrentLimits {
+                    discharge_a: limited.discharge_limit_a,
+                    charge_a: limited.charge_limit_a,
+                },
+                dt,
+            ),
         })
     }
 
@@ -205,6 +217,7 @@ impl MappedBattery {
             hysteresis: Accum::new(0.0),
             temperature_c: Accum::new(temperature_c),
             ambient_c: temperature_c,
+            surroundings_c: temperature_c,
             heat_j: 0.0,
             now: Resistances::default(),
             source_ohm: 0.0,
@@ -237,13 +250,15 @@ impl MappedBattery {
         }
     }
 
-    /// Sets a measured temperature \[°C\]: the resistances follow at once. One that is not finite
-    /// or absurd changes nothing.
-    pub fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) {
-        if (COLDEST_C..=HOTTEST_C).contains(&temperature_c) {
+    /// Sets a measured temperature \[°C\]: the resistances follow at once. Says whether it did: one
+    /// outside −100..200 °C (kelvins, say), or not a number, changes nothing.
+    pub fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) -> bool {
+        let taken = is_possible(temperature_c);
+        if taken {
             state.temperature_c = Accum::new(temperature_c);
             self.follow(state);
         }
+        taken
     }
 
     /// What the terminals offer over the next step, and the open-circuit voltage in it \[V\].
@@ -270,8 +285,8 @@ impl MappedBattery {
     pub const fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
         let soc = state.soc.get();
         CurrentLimits {
-            discharge_a: min(self.params.discharge_limit_a, soc * self.a_per_soc),
-            charge_a: min(self.params.charge_limit_a, (1.0 - soc) * self.a_per_soc),
+            discharge_a: min(self.params.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
+            charge_a: min(self.params.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
         }
     }
 
@@ -297,22 +312,33 @@ impl MappedBattery {
         next
     }
 
-    /// Whether a step under `current_a` that leads to `next` keeps every limit.
+    /// The same, as a coupled plant keeps them: towards full, and towards empty, they fade with the
+    /// charge that is left to go, over 0.1 s.
     #[inline]
     #[must_use]
-    pub const fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
-        current_a <= self.params.discharge_limit_a
-            && current_a >= -self.params.charge_limit_a
-            && next.soc.get() >= 0.0
-            && next.soc.get() <= 1.0
+    pub const fn faded(&self, state: &MappedBatteryState) -> CurrentLimits {
+        self.limits(state).within(self.room.limits(state.soc.get()))
     }
 
-    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
+    /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
+    /// leads to `next` keeps every limit, clear of the ends of charge too ([`faded`](Self::faded)).
     #[inline]
-    pub fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
+    #[must_use]
+    pub const fn allows(&self, current_a: Real, least_a: Real, next: &MappedBatteryState) -> bool {
+        current_a <= self.params.discharge_limit_a
+            && least_a >= -self.params.charge_limit_a
+            && next.soc.get() >= self.room.empty
+            && next.soc.get() <= self.room.full
+    }
+
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
+    /// charged beyond full all the same, or, negative, drawn beyond empty \[C\]: it is lost.
+    #[inline]
+    pub fn settle(&self, state: &mut MappedBatteryState, current_a: Real) -> Real {
         *state = self.next(state, current_a);
-        // Only the last bit can lie outside: the limits saw to the rest.
+        let reached = state.soc;
         state.soc.clamp(0.0, 1.0);
+        self.capacity_c * reached.since(state.soc)
     }
 
     /// Counts a step; when it is time, temperature and resistances follow.
@@ -327,11 +353,17 @@ impl MappedBattery {
     #[cold]
     #[inline(never)]
     fn warm(&self, state: &mut MappedBatteryState) {
-        let above_k = state.temperature_c.get() - state.ambient_c;
+        if is_possible(state.ambient_c) {
+            state.surroundings_c = state.ambient_c;
+        }
+        if state.temperature_c.get().is_nan() {
+            state.temperature_c = Accum::new(state.surroundings_c);
+        }
+        let above_k = state.temperature_c.get() - state.surroundings_c;
         let increment_k = self.warming_k_per_j * state.heat_j - self.cooling_gain * above_k;
         // Held where any battery has long burnt: the exponential stays finite.
         let celsius = state.temperature_c.get() + increment_k;
-        if (COLDEST_C..=HOTTEST_C).contains(&celsius) {
+        if is_possible(celsius) {
             state.temperature_c.add(increment_k);
         } else {
             state.temperature_c = Accum::new(clamp(celsius, COLDEST_C, HOTTEST_C));
@@ -347,7 +379,9 @@ impl MappedBattery {
         state.now = self.resistances(soc, celsius);
         let [fast, slow] = state.now.polarisation_ohm;
         state.source_ohm = state.now.series_ohm + self.gains[0] * fast + self.gains[1] * slow;
-        state.outside = !self.params.identified.holds(soc, celsius);
+        // Held at an end of what is possible, it is no temperature that parameters are known for.
+        let held = celsius <= COLDEST_C || celsius >= HOTTEST_C;
+        state.outside = held || !self.params.identified.holds(soc, celsius);
     }
 
     /// The open-circuit curve.

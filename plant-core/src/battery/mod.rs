@@ -30,7 +30,7 @@ pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchSt
 
 use crate::error::{ParamError, check, limit, positive, ratio};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, LARGEST, Real, clamp, min, sane};
+use crate::num::{Accum, LARGEST, Real, clamp, max, min, sane};
 use crate::port::Source;
 
 /// A battery within this of 0 or 1 counts as depleted or full.
@@ -104,13 +104,47 @@ pub struct Battery {
     capacity_c: Real,
     discharge_limit_a: Real,
     charge_limit_a: Real,
+    room: Room,
+}
+
+/// How long a coupled plant's limits take to fade at the ends of charge \[s\].
+const FADE_S: Real = 0.1;
+/// The limits fade over this share of the charge at most, however high they are.
+const MOST_FADE: Real = 1e-3;
+
+/// The ends of charge as a coupled plant sees them: a limit of one step, as
+/// [`limits`](Battery::limits) has it, would switch a winding's current off and on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Room {
+    a_per_soc: Real,
+    /// Below this state of charge discharging fades, above the other charging.
+    empty: Real,
+    full: Real,
+}
+
+impl Room {
+    const fn new(capacity_c: Real, limits: CurrentLimits, dt: Dt) -> Self {
+        let a_per_soc = capacity_c / max(FADE_S, dt.s());
+        Self {
+            a_per_soc,
+            empty: min(limits.discharge_a / a_per_soc, MOST_FADE),
+            full: 1.0 - min(limits.charge_a / a_per_soc, MOST_FADE),
+        }
+    }
+
+    const fn limits(&self, soc: Real) -> CurrentLimits {
+        CurrentLimits {
+            discharge_a: max(soc, 0.0) * self.a_per_soc,
+            charge_a: max(1.0 - soc, 0.0) * self.a_per_soc,
+        }
+    }
 }
 
 /// The state of a [`Battery`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BatteryState {
-    /// State of charge, 0..1.
+    /// State of charge, 0..1. May be set from an estimate; what lies outside is held at the end.
     pub soc: Accum,
     /// The RC branch.
     pub rc: RcBranchState,
@@ -161,13 +195,36 @@ pub struct BatteryOutput {
     pub rejected: bool,
 }
 
-/// The currents that a battery allows over the next step \[A\], both ≥ 0.
+/// The currents that a battery, or what manages it, allows over the next step \[A\], both ≥ 0; none
+/// by default.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CurrentLimits {
     /// Largest discharge current: the parameter, or what the remaining charge feeds for one step.
     pub discharge_a: Real,
     /// Largest charge current, likewise.
     pub charge_a: Real,
+}
+
+impl Default for CurrentLimits {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl CurrentLimits {
+    /// Any current.
+    pub const NONE: Self = Self { discharge_a: Real::INFINITY, charge_a: Real::INFINITY };
+
+    /// The lower of both, each way.
+    #[inline]
+    #[must_use]
+    pub const fn within(self, other: Self) -> Self {
+        Self {
+            discharge_a: min(self.discharge_a, other.discharge_a),
+            charge_a: min(self.charge_a, other.charge_a),
+        }
+    }
 }
 
 impl Battery {
@@ -180,6 +237,12 @@ impl Battery {
         let capacity_c = 3600.0 * check!(positive("battery.capacity_ah", params.capacity_ah));
         let series_resistance_ohm =
             check!(positive("battery.series_resistance_ohm", params.series_resistance_ohm));
+        // No limit still keeps absurd currents out.
+        let limits = CurrentLimits {
+            discharge_a: check!(limit("battery.discharge_limit_a", params.discharge_limit_a)),
+            charge_a: check!(limit("battery.charge_limit_a", params.charge_limit_a)),
+        };
+        let limits = limits.within(CurrentLimits { discharge_a: LARGEST, charge_a: LARGEST });
         Ok(Self {
             open_circuit: check!(params.open_circuit.checked()),
             series_resistance_ohm,
@@ -188,15 +251,9 @@ impl Battery {
             soc_per_a: dt.s() / capacity_c,
             a_per_soc: capacity_c / dt.s(),
             capacity_c,
-            // No limit still keeps absurd currents out.
-            discharge_limit_a: min(
-                check!(limit("battery.discharge_limit_a", params.discharge_limit_a)),
-                LARGEST,
-            ),
-            charge_limit_a: min(
-                check!(limit("battery.charge_limit_a", params.charge_limit_a)),
-                LARGEST,
-            ),
+            discharge_limit_a: limits.discharge_a,
+            charge_limit_a: limits.charge_a,
+            room: Room::new(capacity_c, limits, dt),
         })
     }
 
@@ -215,8 +272,8 @@ impl Battery {
     pub const fn limits(&self, state: &BatteryState) -> CurrentLimits {
         let soc = state.soc.get();
         CurrentLimits {
-            discharge_a: min(self.discharge_limit_a, soc * self.a_per_soc),
-            charge_a: min(self.charge_limit_a, (1.0 - soc) * self.a_per_soc),
+            discharge_a: min(self.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
+            charge_a: min(self.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
         }
     }
 
@@ -230,23 +287,34 @@ impl Battery {
         next
     }
 
-    /// Whether a step under `current_a` that leads to `next` keeps every limit.
+    /// The same, as a coupled plant keeps them: towards full, and towards empty, they fade with the
+    /// charge that is left to go, over 0.1 s.
     #[inline]
     #[must_use]
-    pub const fn allows(&self, current_a: Real, next: &BatteryState) -> bool {
-        current_a <= self.discharge_limit_a
-            && current_a >= -self.charge_limit_a
-            && next.soc.get() >= 0.0
-            && next.soc.get() <= 1.0
+    pub const fn faded(&self, state: &BatteryState) -> CurrentLimits {
+        self.limits(state).within(self.room.limits(state.soc.get()))
     }
 
-    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
+    /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
+    /// leads to `next` keeps every limit, clear of the ends of charge too ([`faded`](Self::faded)).
+    #[inline]
+    #[must_use]
+    pub const fn allows(&self, current_a: Real, least_a: Real, next: &BatteryState) -> bool {
+        current_a <= self.discharge_limit_a
+            && least_a >= -self.charge_limit_a
+            && next.soc.get() >= self.room.empty
+            && next.soc.get() <= self.room.full
+    }
+
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
+    /// charged beyond full all the same, or, negative, drawn beyond empty \[C\]: it is lost.
     // A call, though rare, would keep the state out of registers in every step of the plant.
     #[inline(always)]
-    pub const fn settle(&self, state: &mut BatteryState, current_a: Real) {
+    pub const fn settle(&self, state: &mut BatteryState, current_a: Real) -> Real {
         *state = self.next(state, current_a);
-        // Only the last bit can lie outside: the limits saw to the rest.
+        let reached = state.soc;
         state.soc.clamp(0.0, 1.0);
+        self.capacity_c * reached.since(state.soc)
     }
 
     /// Energy stored above SOC 0 at the open-circuit voltage, and in the RC branch \[J\].

@@ -4,7 +4,7 @@
 //!
 //! Tests: below; cases "battery", "battery with maps".
 
-use crate::error::{ParamError, check, finite};
+use crate::error::{ParamError, check, not_negative, positive};
 use crate::num::{Real, SocTable};
 
 /// Open-circuit voltage over the state of charge, never falling as the charge rises.
@@ -16,12 +16,12 @@ use crate::num::{Real, SocTable};
 pub enum OpenCircuit {
     /// `V_oc = empty_v + (full_v − empty_v)·SOC` \[EPowertrain2025, eq. 3.7\].
     Linear {
-        /// Voltage at SOC 0 \[V\].
+        /// Voltage at SOC 0 \[V\], ≥ 0.
         empty_v: Real,
-        /// Voltage at SOC 1 \[V\], not below `empty_v`.
+        /// Voltage at SOC 1 \[V\], above zero and not below `empty_v`.
         full_v: Real,
     },
-    /// Measured points on an even grid.
+    /// Measured points on an even grid: none negative, the last above zero.
     Table(SocTable),
 }
 
@@ -32,8 +32,8 @@ impl OpenCircuit {
     pub(crate) const fn checked(self) -> Result<Self, ParamError> {
         match &self {
             Self::Linear { empty_v, full_v } => {
-                check!(finite("battery.open_circuit.linear.empty_v", *empty_v));
-                check!(finite("battery.open_circuit.linear.full_v", *full_v));
+                check!(not_negative("battery.open_circuit.linear.empty_v", *empty_v));
+                check!(positive("battery.open_circuit.linear.full_v", *full_v));
                 if *full_v < *empty_v {
                     return Err(ParamError::Decreasing("battery.open_circuit.linear.full_v"));
                 }
@@ -41,6 +41,10 @@ impl OpenCircuit {
             Self::Table(table) => {
                 if !table.is_monotone() {
                     return Err(ParamError::Decreasing("battery.open_circuit.table"));
+                }
+                let [empty_v, .., full_v] = table.values();
+                if *empty_v < 0.0 || *full_v <= 0.0 {
+                    return Err(ParamError::OutOfRange("battery.open_circuit.table"));
                 }
             }
         }
@@ -150,12 +154,15 @@ mod tests {
             OpenCircuit::Table(table).checked(),
             Err(ParamError::Decreasing("battery.open_circuit.table"))
         );
-        for (empty_v, full_v, field) in [
-            (Real::NAN, 1.0, "battery.open_circuit.linear.empty_v"),
-            (1.0, Real::INFINITY, "battery.open_circuit.linear.full_v"),
-        ] {
-            let line = OpenCircuit::Linear { empty_v, full_v };
-            assert_eq!(line.checked(), Err(ParamError::NotFinite(field)));
+        let line = |empty_v, full_v| OpenCircuit::Linear { empty_v, full_v }.checked();
+        let negative = Err(ParamError::Negative("battery.open_circuit.linear.empty_v"));
+        assert_eq!((line(Real::NAN, 1.0), line(-10.0, 1.0)), (negative, negative));
+        let not_positive = Err(ParamError::NotPositive("battery.open_circuit.linear.full_v"));
+        assert_eq!((line(1.0, Real::INFINITY), line(0.0, 0.0)), (not_positive, not_positive));
+        for values in [[-1.0, 1.0], [0.0, 0.0]] {
+            let points = [(0.0, values[0]), (1.0, values[1])];
+            let table = OpenCircuit::Table(SocTable::from_points("t", &points).unwrap());
+            assert_eq!(table.checked(), Err(ParamError::OutOfRange("battery.open_circuit.table")));
         }
     }
 }

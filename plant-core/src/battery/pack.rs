@@ -34,14 +34,17 @@ pub trait Pack: Copy {
     fn magnitude(state: &Self::State) -> Real;
     /// What the terminals offer over the next step, and the open-circuit voltage in it \[V\].
     fn offer(&self, state: &Self::State) -> (Source, Real);
-    /// The currents that the battery allows over the next step.
-    fn limits(&self, state: &Self::State) -> CurrentLimits;
+    /// The currents that the battery allows over the next step; towards its ends of charge they
+    /// fade.
+    fn faded(&self, state: &Self::State) -> CurrentLimits;
     /// The state after one step under `current_a`, whatever the limits say.
     fn next(&self, state: &Self::State, current_a: Real) -> Self::State;
-    /// Whether a step under `current_a` that leads to `next` keeps every limit.
-    fn allows(&self, current_a: Real, next: &Self::State) -> bool;
-    /// Books one step under `current_a`, which [`limits`](Self::limits) allow.
-    fn settle(&self, state: &mut Self::State, current_a: Real);
+    /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
+    /// leads to `next` keeps every limit.
+    fn allows(&self, current_a: Real, least_a: Real, next: &Self::State) -> bool;
+    /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
+    /// charged beyond full all the same, or, negative, drawn beyond empty \[C\]: it is lost.
+    fn settle(&self, state: &mut Self::State, current_a: Real) -> Real;
     /// What one step from `before` to `after` turned into heat.
     fn losses(&self, before: &Self::State, after: &Self::State, current_a: Real) -> Losses;
     /// What the series and the polarisation losses are to be multiplied by.
@@ -52,8 +55,8 @@ pub trait Pack: Copy {
     fn discharged_energy_j(&self, from: &Self::State, to: &Self::State) -> Real;
     /// Lets slow parameters follow, after a step.
     fn refresh(&self, state: &mut Self::State);
-    /// Takes a measured temperature \[°C\], where the model knows one.
-    fn set_temperature(&self, state: &mut Self::State, temperature_c: Real);
+    /// Takes a measured temperature \[°C\]; says whether the model knows one and this is possible.
+    fn set_temperature(&self, state: &mut Self::State, temperature_c: Real) -> bool;
     /// Whether state of charge or temperature lie outside what the parameters were identified for.
     fn is_outside(state: &Self::State) -> bool;
 }
@@ -81,8 +84,8 @@ impl Pack for Battery {
     }
 
     #[inline(always)]
-    fn limits(&self, state: &BatteryState) -> CurrentLimits {
-        Self::limits(self, state)
+    fn faded(&self, state: &BatteryState) -> CurrentLimits {
+        Self::faded(self, state)
     }
 
     #[inline(always)]
@@ -91,13 +94,13 @@ impl Pack for Battery {
     }
 
     #[inline(always)]
-    fn allows(&self, current_a: Real, next: &BatteryState) -> bool {
-        Self::allows(self, current_a, next)
+    fn allows(&self, current_a: Real, least_a: Real, next: &BatteryState) -> bool {
+        Self::allows(self, current_a, least_a, next)
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut BatteryState, current_a: Real) {
-        Self::settle(self, state, current_a);
+    fn settle(&self, state: &mut BatteryState, current_a: Real) -> Real {
+        Self::settle(self, state, current_a)
     }
 
     #[inline(always)]
@@ -128,7 +131,9 @@ impl Pack for Battery {
     #[inline(always)]
     fn refresh(&self, _state: &mut BatteryState) {}
 
-    fn set_temperature(&self, _state: &mut BatteryState, _temperature_c: Real) {}
+    fn set_temperature(&self, _state: &mut BatteryState, _temperature_c: Real) -> bool {
+        false
+    }
 
     #[inline(always)]
     fn is_outside(_state: &BatteryState) -> bool {
@@ -159,8 +164,8 @@ impl Pack for MappedBattery {
     }
 
     #[inline(always)]
-    fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
-        Self::limits(self, state)
+    fn faded(&self, state: &MappedBatteryState) -> CurrentLimits {
+        Self::faded(self, state)
     }
 
     #[inline(always)]
@@ -169,13 +174,13 @@ impl Pack for MappedBattery {
     }
 
     #[inline(always)]
-    fn allows(&self, current_a: Real, next: &MappedBatteryState) -> bool {
-        Self::allows(self, current_a, next)
+    fn allows(&self, current_a: Real, least_a: Real, next: &MappedBatteryState) -> bool {
+        Self::allows(self, current_a, least_a, next)
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut MappedBatteryState, current_a: Real) {
-        Self::settle(self, state, current_a);
+    fn settle(&self, state: &mut MappedBatteryState, current_a: Real) -> Real {
+        Self::settle(self, state, current_a)
     }
 
     /// The branches take `v·I`, whether they store it for a while or not; so does hysteresis.
@@ -213,8 +218,8 @@ impl Pack for MappedBattery {
         Self::refresh(self, state);
     }
 
-    fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) {
-        Self::set_temperature(self, state, temperature_c);
+    fn set_temperature(&self, state: &mut MappedBatteryState, temperature_c: Real) -> bool {
+        Self::set_temperature(self, state, temperature_c)
     }
 
     #[inline(always)]

@@ -20,6 +20,19 @@ fn load(current_a: Real) -> BatteryInput {
     BatteryInput { current_a }
 }
 
+/// As an estimate may set it.
+#[test]
+fn a_charge_outside_its_range_counts_as_its_end() {
+    let b = battery(0.001);
+    for (soc, end) in [(1.0001, 1.0), (-0.0001, 0.0)] {
+        let mut s = BatteryState { soc: Accum::new(soc), ..BatteryState::rested(0.5).unwrap() };
+        let limits = b.limits(&s);
+        assert!(limits.discharge_a >= 0.0 && limits.charge_a >= 0.0, "{limits:?}");
+        let out = b.step(&mut s, load(0.0));
+        assert_eq!((out.current_a, out.soc, out.rejected), (0.0, end, false));
+    }
+}
+
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn counts_charge_and_drops_voltage() {
@@ -146,7 +159,7 @@ fn what_it_allows_are_its_limits() {
     let b = battery(1.0);
     let allows = |soc, current_a| {
         let s = BatteryState::rested(soc).unwrap();
-        b.allows(current_a, &b.next(&s, current_a))
+        b.allows(current_a, current_a, &b.next(&s, current_a))
     };
     // 7200 C in all, so 10 A for 1 s take 0.14 %.
     for (soc, discharge_a, charge_a) in
@@ -162,10 +175,24 @@ fn what_it_allows_are_its_limits() {
             (-0.99 * charge_a, true),
             (-1.01 * charge_a, false),
         ] {
-            assert_eq!(allows(soc, current_a), allowed, "{soc} {current_a}");
+            assert!(soc != 0.5 || allows(soc, current_a) == allowed, "{soc} {current_a}");
         }
     }
     assert!(allows(0.5, 100.0) && allows(0.5, -50.0), "the limits themselves");
+    // In a plant of short steps they fade over 0.1 s, from where they would be used up by then.
+    let b = battery(0.001);
+    for (soc, discharge_a, charge_a) in
+        [(0.0013, 93.6, 50.0), (0.0015, 100.0, 50.0), (0.9994, 100.0, 43.2), (0.999, 100.0, 50.0)]
+    {
+        let s = BatteryState::rested(soc).unwrap();
+        let faded = b.faded(&s);
+        assert!((faded.discharge_a / discharge_a - 1.0).abs() < 1e-3, "{soc}: {faded:?}");
+        assert!((faded.charge_a / charge_a - 1.0).abs() < 1e-3, "{soc}: {faded:?}");
+    }
+    for (soc, far) in [(0.0009, false), (0.0011, true), (0.9992, true), (0.9994, false)] {
+        let s = BatteryState::rested(soc).unwrap();
+        assert_eq!(b.allows(0.0, 0.0, &b.next(&s, 0.0)), far, "{soc}");
+    }
 }
 
 #[test]
@@ -173,7 +200,8 @@ fn settling_beyond_the_last_bit_ends_at_empty_or_full() {
     let b = battery(1.0);
     for (soc, current_a, end) in [(0.001, 8.0, 0.0), (0.999, -8.0, 1.0)] {
         let mut s = BatteryState::rested(soc).unwrap();
-        b.settle(&mut s, current_a);
+        let beyond_c = b.settle(&mut s, current_a);
+        assert!(beyond_c * current_a < 0.0 && beyond_c.abs() < current_a.abs() * 100.0);
         assert_eq!(s.soc, Accum::new(end));
     }
 }

@@ -6,21 +6,25 @@
 //! [`DriverParams::Torque`] is ours, in the usual order, with k the motor's turns (rad) per metre:
 //! force `F = PID(v_ref, v) + m·dv_ref/dt`, torque `T = F/k` within peak torque and power and what
 //! regeneration may do at this speed and state of charge; the friction brake takes the rest.
-//! Current `i* = T/Kt`; duty `D = ((L'+ R)·i* − L'·i + Ke·k·v + V_d·i/(|i| + i_ε))/V`, a current
-//! controller with feed-forward of the back-EMF. `L' = L·λ/(1 + h·λ)` for a bandwidth λ: at most
-//! `L/h`, so that the loop is stable at any step.
+//! Current `i* = T/Kt`; duty `D = ((L'+ R)·i* − L'·i + Ke·k·v' + V_d·sgn(i*))/V`, a current
+//! controller with feed-forward of the back-EMF at the end of the step, v' being the speed there if
+//! it changes as in the last step, but for what the forces of motor and brake change.
+//! `L' = L·λ/(1 + h·λ)` for a bandwidth λ: at most `L/h`, so that the loop is stable at any step.
+//!
+//! On a hill the brake holds until the motor carries the slope.
 //!
 //! Tests: `tests` below; properties `finite_plant`, `refusal`; cases "UDDS", "trip".
 
 use crate::control::pid::{Pid, PidInput, PidParams, PidState};
-use crate::converter::DROP_FADE_A;
 use crate::error::{ParamError, check, limit, not_negative, positive};
 use crate::model::{Dt, Model};
-use crate::num::{Real, clamp, lag_gain, max, sane};
+use crate::num::{GRAVITY_M_S2, Real, clamp, lag_gain, max, min, sane, sign};
 use crate::powertrain::{Feedback, PowertrainParams};
 
 /// Below this speed the vehicle counts as standing \[m/s\].
 pub const STANDSTILL_M_S: Real = 0.02;
+/// On a hill the motor builds up this much more than the slope takes before the brake lets go.
+const HILL_MARGIN: Real = 1.05;
 
 /// Parameters of a [`Driver`]: how a vehicle is driven.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,6 +101,7 @@ pub struct DriverState {
     pub speed: PidState,
     last_duty: Real,
     last_brake_n: Real,
+    last_m_s: Option<Real>,
 }
 
 /// A driver, discretised for one step. A sampled controller: it sees the end of the last step.
@@ -116,8 +121,7 @@ pub struct DriverState {
 /// for _ in 0..10_000 {
 ///     let drive = DriverInput { reference_m_s: 5.0, reference_m_s2: 0.0, vehicle: seen };
 ///     let command = DRIVER.step(&mut driver, drive);
-///     let input = PowertrainInput { duty: command.duty, ..PowertrainInput::default() };
-///     seen = Feedback::from(&PLANT.step(&mut plant, input));
+///     seen = Feedback::from(&PLANT.step(&mut plant, PowertrainInput::on(command.duty)));
 /// }
 /// assert!((seen.speed_m_s - 5.0).abs() < 0.02);
 /// # Ok::<(), ParamError>(())
@@ -138,6 +142,9 @@ pub struct TorqueDriver {
     motor_rad_per_m: Real,
     per_motor_rad_m: Real,
     mass_kg: Real,
+    /// Speed that a force at the road adds within one step \[m/(s·N)\].
+    m_s_per_n: Real,
+    weight_n: Real,
     torque_nm_per_a: Real,
     /// The current controller's voltage per commanded torque \[V/(N·m)\].
     v_per_nm: Real,
@@ -177,6 +184,7 @@ impl Driver {
                         measurement: input.vehicle.speed_m_s,
                     },
                     input.vehicle.duty,
+                    input.vehicle.limited,
                 );
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
@@ -221,13 +229,16 @@ impl TorqueDriver {
         let inertia = vehicle.motor.inertia_kg_m2 + vehicle.gearbox.inertia_kg_m2;
         // At most L/h, so that the loop is stable at any step.
         let current_gain_ohm = vehicle.motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s());
+        let mass_kg = vehicle.body.mass_kg
+            + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
+            + inertia * motor_rad_per_m * motor_rad_per_m;
         Ok(Self {
             speed: check!(Pid::new(params.speed, dt)),
             motor_rad_per_m,
             per_motor_rad_m: 1.0 / motor_rad_per_m,
-            mass_kg: vehicle.body.mass_kg
-                + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
-                + inertia * motor_rad_per_m * motor_rad_per_m,
+            mass_kg,
+            m_s_per_n: dt.s() / mass_kg,
+            weight_n: vehicle.body.mass_kg * GRAVITY_M_S2,
             torque_nm_per_a: kt,
             v_per_nm: (current_gain_ohm
                 + vehicle.motor.resistance_ohm
@@ -278,11 +289,6 @@ impl TorqueDriver {
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
         let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
         let (v, i) = (vehicle.speed_m_s, vehicle.motor_a);
-        // What does not wait for the speed controller: back-EMF, voltage.
-        let idle_v = self.back_emf_v_s_per_m * v - self.current_gain_ohm * i
-            + self.drop_v * i / (i.abs() + DROP_FADE_A);
-        let per_v = 1.0 / max(vehicle.battery_v, 1.0);
-
         let mut next = *state;
         let controller =
             self.speed.step(&mut next.speed, PidInput { reference: reference_m_s, measurement: v });
@@ -290,18 +296,46 @@ impl TorqueDriver {
         let wanted_nm = force_n * self.per_motor_rad_m;
         let (mut command_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
-        if !free || vehicle.limited || next.speed.held_back() {
+        if !free || vehicle.limited {
             (command_nm, brake_n) = self.blend(&mut next, &input, wanted_nm);
         }
-        let duty = (self.v_per_nm * command_nm + idle_v) * per_v;
+        let ahead_m_s = self.ahead_m_s(state, &vehicle, command_nm, brake_n);
+        let voltage_v = self.v_per_nm * command_nm - self.current_gain_ohm * i
+            + self.back_emf_v_s_per_m * ahead_m_s
+            + self.drop_v * sign(command_nm);
+        let duty = voltage_v / max(vehicle.battery_v, 1.0);
 
         let sound = !controller.rejected
             && sane(duty.abs() + brake_n + force_n.abs() + vehicle.soc.abs())
             && sane(i.abs() + reference_m_s2.abs() + vehicle.battery_v.abs());
         if sound {
-            *state = DriverState { last_duty: duty, last_brake_n: brake_n, ..next };
+            let last_m_s = Some(v);
+            *state = DriverState { last_duty: duty, last_brake_n: brake_n, last_m_s, ..next };
         }
         DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
+    }
+
+    /// The speed at the end of the step to come, whose back-EMF the current will meet: it changes
+    /// as in the last step, but for what the forces of motor and brake change.
+    #[inline(always)]
+    fn ahead_m_s(
+        &self,
+        state: &DriverState,
+        vehicle: &Feedback,
+        command_nm: Real,
+        brake_n: Real,
+    ) -> Real {
+        let v = vehicle.speed_m_s;
+        let Some(last_m_s) = state.last_m_s else { return v };
+        let motor_nm = self.torque_nm_per_a * vehicle.motor_a;
+        let mut more_n = (command_nm - motor_nm) * self.motor_rad_per_m;
+        if brake_n != state.last_brake_n || brake_n > 0.0 {
+            if v.abs() < STANDSTILL_M_S {
+                return v;
+            }
+            more_n -= (brake_n - state.last_brake_n) * sign(v);
+        }
+        v + (v - last_m_s) + self.m_s_per_n * more_n
     }
 
     /// The torque command \[N·m\] and the friction brake \[N\] where a limit acts, backwards, and at
@@ -311,18 +345,34 @@ impl TorqueDriver {
     fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
         let vehicle = &input.vehicle;
         let v = vehicle.speed_m_s;
-        if input.reference_m_s.abs() + v.abs() < STANDSTILL_M_S {
+        let standing = v.abs() < STANDSTILL_M_S;
+        // Nor does it start before it has seen the slope.
+        let starts = input.reference_m_s.abs() >= STANDSTILL_M_S && state.last_m_s.is_some();
+        if standing && !starts {
             state.speed.reset();
             return (0.0, self.params.brake_limit_n);
         }
-        let forward = if v == 0.0 { input.reference_m_s >= 0.0 } else { v > 0.0 };
+        let forward = if standing { input.reference_m_s >= 0.0 } else { v > 0.0 };
         // From here on torques and forces count in the direction of motion.
         let direction = if forward { 1.0 } else { -1.0 };
+        let motor_nm = direction * self.torque_nm_per_a * vehicle.motor_a;
+        let slope_n = direction * self.weight_n * vehicle.slope_sin;
+        if standing && slope_n > max(motor_nm * self.motor_rad_per_m, 0.0) {
+            return self.start_on_hill(state, input, direction, slope_n);
+        }
         let wanted_nm = direction * wanted_nm;
-        let command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
+        let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
+        if direction * input.reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
+            // Rolling the wrong way: to drive against it is no regeneration to fade.
+            command_nm = max(min(command_nm, wanted_nm), -self.params.peak_torque_nm);
+        }
         let mut short_nm = command_nm - wanted_nm;
-        if vehicle.limited && wanted_nm < 0.0 {
-            short_nm += max(direction * self.torque_nm_per_a * vehicle.motor_a - command_nm, 0.0);
+        if vehicle.limited {
+            if wanted_nm < 0.0 {
+                short_nm += max(motor_nm - command_nm, 0.0);
+            } else {
+                short_nm += min(motor_nm - command_nm, 0.0);
+            }
         }
         let demand_n = short_nm * self.motor_rad_per_m;
         let saturation = if demand_n < 0.0 {
@@ -332,8 +382,26 @@ impl TorqueDriver {
         } else {
             0.0
         };
-        Pid::saturate(&mut state.speed, saturation);
+        self.speed.saturate(&mut state.speed, saturation);
         (direction * command_nm, clamp(demand_n, 0.0, self.params.brake_limit_n))
+    }
+
+    /// Holds with the brake until the motor carries the slope; the speed controller starts from
+    /// there.
+    fn start_on_hill(
+        &self,
+        state: &mut DriverState,
+        input: &DriverInput,
+        direction: Real,
+        slope_n: Real,
+    ) -> (Real, Real) {
+        let (reference, measurement) = (input.reference_m_s, input.vehicle.speed_m_s);
+        let error_n = self.params.speed.proportional * (reference - measurement);
+        let carried_n = direction * HILL_MARGIN * slope_n;
+        let controller = PidInput { reference, measurement };
+        self.speed.preload(&mut state.speed, carried_n + error_n, controller);
+        let command_nm = self.allowed_nm(direction * carried_n * self.per_motor_rad_m, 0.0, 0.0);
+        (direction * command_nm, self.params.brake_limit_n)
     }
 }
 

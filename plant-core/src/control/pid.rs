@@ -13,7 +13,12 @@
 
 use crate::error::{ParamError, above, check, finite, limit, not_negative};
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, LARGEST_PARAM, Real, clamp, lag_gain, sane, sound};
+use crate::num::{Accum, LARGEST, LARGEST_PARAM, Real, clamp, lag_gain, max, min, sane, sound};
+
+/// How far what was applied may lie from the output before it counts as saturated
+/// ([`Pid::feed_back`]): this share of half the span of the limits, or this much where there are
+/// none. More than the step of a timer with 100 counts, so that a rounded duty is no saturation.
+pub const FEEDBACK_TOLERANCE: Real = 1.0 / 64.0;
 
 /// Parameters of a PID controller. `Default` is that of the reference system, but for the
 /// anti-windup: K 1, no I, no D, no dead zone, no limits, smoothing 1e6 1/s.
@@ -37,10 +42,10 @@ pub struct PidParams {
     pub derivative_of: DerivativeOf,
     /// Below this magnitude the raw output counts as zero, ≥ 0; 0 for no dead zone.
     pub dead_zone: Real,
-    /// Lowest output; −infinity for none.
+    /// Lowest output; −infinity for none but that of any value, −1e9.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited::below"))]
     pub output_min: Real,
-    /// Highest output, above the lowest; infinity for none.
+    /// Highest output, above the lowest; infinity for none but that of any value, 1e9.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub output_max: Real,
     /// Rate at which the output follows its target \[1/s\], above zero; infinity for at once.
@@ -124,6 +129,7 @@ pub struct Pid {
     derivative_gain: Real,
     derivative_k: Real,
     smoothing_k: Real,
+    feedback_tolerance: Real,
 }
 
 /// The state of a [`Pid`]; fresh by default.
@@ -136,7 +142,8 @@ pub struct PidState {
     last: Option<Real>,
     /// Smoothed difference per step.
     difference: Accum,
-    /// In which direction something further down the loop was saturated: its sign.
+    /// In which direction something further down the loop was saturated: its sign. Until the next
+    /// step.
     excess: Real,
 }
 
@@ -151,12 +158,6 @@ impl PidState {
     #[must_use]
     pub const fn output(&self) -> Real {
         self.output.get()
-    }
-
-    /// Whether it was told of a saturation further down the loop.
-    #[inline]
-    pub(crate) const fn held_back(&self) -> bool {
-        self.excess != 0.0
     }
 
     /// Forgets everything.
@@ -184,7 +185,7 @@ pub struct PidOutput {
     pub raw: Real,
     /// The raw output lies at or beyond a limit.
     pub saturated: bool,
-    /// An input, or the integral, was not finite or absurd; the state is unchanged.
+    /// An input was not finite or absurd; the state is unchanged.
     pub rejected: bool,
 }
 
@@ -193,7 +194,7 @@ impl Pid {
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
-    pub const fn new(params: PidParams, dt: Dt) -> Result<Self, ParamError> {
+    pub const fn new(mut params: PidParams, dt: Dt) -> Result<Self, ParamError> {
         check!(finite("pid.proportional", params.proportional));
         let filter_s = check!(not_negative("pid.derivative_filter_s", params.derivative_filter_s));
         check!(not_negative("pid.dead_zone", params.dead_zone));
@@ -202,8 +203,14 @@ impl Pid {
         let integral = check!(not_negative("pid.integral_per_s", params.integral_per_s));
         let derivative_s = check!(not_negative("pid.derivative_s", params.derivative_s));
         let smoothing = check!(limit("pid.smoothing_per_s", params.smoothing_per_s));
+        // What no value may exceed saturates as a limit does, so that no integral becomes infinite.
+        params.output_min = max(params.output_min, -LARGEST);
+        params.output_max = min(params.output_max, LARGEST);
+        let half_span = 0.5 * (params.output_max - params.output_min);
+        let unit = if half_span < 0.5 * LARGEST { half_span } else { 1.0 };
         Ok(Self {
             params,
+            feedback_tolerance: FEEDBACK_TOLERANCE * unit,
             integral_gain: integral * dt.s(),
             derivative_gain: derivative_s / dt.s(),
             derivative_k: if filter_s > 0.0 { lag_gain(dt.s() / filter_s) } else { 1.0 },
@@ -218,12 +225,15 @@ impl Pid {
         }
     }
 
-    /// Sets the state so that the next step continues from `output` without a bump.
+    /// Sets the state so that the next step continues from `output`, held within the limits,
+    /// without a bump.
     pub const fn preload(&self, state: &mut PidState, output: Real, input: PidInput) {
+        let asked = sane(output);
+        let output = clamp(output, self.params.output_min, self.params.output_max);
         let error = input.reference - input.measurement;
         let integral = output - self.params.proportional * error;
         let magnitude = input.reference.abs() + input.measurement.abs();
-        if sane(output) && sound(magnitude) && sane(integral) {
+        if asked && sound(magnitude) && sane(integral) {
             *state = PidState {
                 integral: Accum::new(integral),
                 output: Accum::new(output),
@@ -234,25 +244,24 @@ impl Pid {
         }
     }
 
-    /// Tells what became of the last output further down the loop (a duty that a battery limit
-    /// held back, say), so that the integral does not wind up against it.
+    /// Tells the next step what became of the last output further down the loop (a duty that a
+    /// battery limit held back, say), so that the integral does not wind up against it. What lies
+    /// within [`FEEDBACK_TOLERANCE`] was only rounded.
     #[inline]
     pub const fn feed_back(&self, state: &mut PidState, applied: Real) {
-        if sane(applied) {
-            state.excess = self.excess(state, applied);
+        let excess = state.output.get() - applied;
+        if sane(applied) && self.is_directional() {
+            state.excess = if excess.abs() > self.feedback_tolerance { excess } else { 0.0 };
         }
     }
 
-    #[inline(always)]
-    const fn excess(&self, state: &PidState, applied: Real) -> Real {
-        if self.is_directional() { state.output.get() - applied } else { 0.0 }
-    }
-
-    /// Tells only in which direction something further down the loop is saturated: 1 up, −1 down,
-    /// 0 not.
+    /// Tells the next step only in which direction something further down the loop is saturated:
+    /// 1 up, −1 down, 0 not.
     #[inline]
-    pub const fn saturate(state: &mut PidState, direction: Real) {
-        state.excess = direction;
+    pub const fn saturate(&self, state: &mut PidState, direction: Real) {
+        if self.is_directional() {
+            state.excess = direction;
+        }
     }
 
     /// Advances by one step.
@@ -261,16 +270,19 @@ impl Pid {
         self.advance(state, input, state.excess, 0.0)
     }
 
-    /// Advances by one step after being told what became of the last output; a bad `applied`
-    /// counts as bad input.
+    /// Advances by one step after being told what became of the last output, and whether anything
+    /// held it back; a bad `applied` counts as bad input.
     #[inline(always)]
     pub(crate) fn step_fed_back(
         &self,
         state: &mut PidState,
         input: PidInput,
         applied: Real,
+        limited: bool,
     ) -> PidOutput {
-        self.advance(state, input, self.excess(state, applied), applied)
+        let told = limited && self.is_directional();
+        let excess = if told { state.output.get() - applied } else { 0.0 };
+        self.advance(state, input, excess, applied)
     }
 
     #[inline(always)]
@@ -283,18 +295,11 @@ impl Pid {
     ) -> PidOutput {
         let p = &self.params;
         let error = input.reference - input.measurement;
-        // An integral that has grown absurd counts as bad input: it must not become infinite.
-        let magnitude = input.reference.abs()
-            + input.measurement.abs()
-            + state.integral.get().abs()
-            + applied.abs();
-        if !sound(magnitude) {
+        if !sound(input.reference.abs() + input.measurement.abs() + applied.abs()) {
             let output = state.output.get();
             return PidOutput { output, raw: output, saturated: false, rejected: true };
         }
-        if self.is_directional() {
-            state.excess = excess;
-        }
+        state.excess = 0.0;
         let mut raw = p.proportional * error + state.integral.get();
         if self.derivative_gain > 0.0 {
             let now = self.derivative_of(input);
@@ -308,11 +313,11 @@ impl Pid {
         }
         let increment = self.integral_gain * error;
         let free = raw < p.output_max && raw > p.output_min && raw.abs() >= p.dead_zone;
-        let target = if free && !(self.is_directional() && state.held_back()) {
+        let target = if free && excess == 0.0 {
             state.integral.add(increment);
             raw
         } else {
-            self.held_target(state, raw, increment)
+            self.held_target(state, raw, increment, excess)
         };
         if self.smoothing_k < 1.0 {
             state.output.add(self.smoothing_k * (target - state.output.get()));
@@ -329,18 +334,18 @@ impl Pid {
 
     /// The target within the dead zone or in saturation, here or further down the loop.
     #[cold]
-    fn held_target(&self, state: &mut PidState, raw: Real, increment: Real) -> Real {
+    fn held_target(&self, state: &mut PidState, raw: Real, increment: Real, excess: Real) -> Real {
         let p = &self.params;
         if raw.abs() < p.dead_zone {
-            return 0.0;
+            return clamp(0.0, p.output_min, p.output_max);
         }
         let (high, low) = (raw >= p.output_max, raw <= p.output_min);
-        let runs = match p.anti_windup {
-            AntiWindup::Freeze => !(high || low),
-            AntiWindup::Directional => {
-                let (high, low) = (high || state.excess > 0.0, low || state.excess < 0.0);
-                !(high && increment > 0.0 || low && increment < 0.0)
-            }
+        // What has grown absurd may shrink in any case.
+        let runs = if self.is_directional() || raw.abs() >= LARGEST {
+            let (high, low) = (high || excess > 0.0, low || excess < 0.0);
+            !(high && increment > 0.0 || low && increment < 0.0)
+        } else {
+            !(high || low)
         };
         if runs {
             state.integral.add(increment);

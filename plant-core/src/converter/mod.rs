@@ -1,8 +1,10 @@
 //! Averaged four-quadrant converter.
 //!
-//! `V_out = D·V_in − R·i − V_d·i/(|i| + i_ε)`, `I_in = D·i + P_0/V_in`: with the duty D it scales
-//! the voltage, and what goes in comes out or is one of the losses. Four quadrants: with
-//! `0 < D·V_in < Ke·ω` the current reverses and energy flows back.
+//! `V_out = D·V_in − R·i − V_d·sgn(i)`, `I_in = D·i + P_0/V_in`: with the duty D it scales the
+//! voltage, and what goes in comes out or is one of the losses. Four quadrants: with
+//! `0 < D·V_in < Ke·ω` the current reverses and energy flows back. The voltage drop is set-valued,
+//! like friction: what would drive the current has to exceed it, and is less by it then; within it
+//! nothing flows.
 //!
 //! The ideal part is \[EPowertrain2025, eq. 3.4 and 4.2\]; the sign flip of the input current at
 //! `D < 0` (eq. 4.3) is an error of the print: it creates energy. The losses are ours.
@@ -12,11 +14,31 @@
 
 use crate::error::{ParamError, check, limit, not_negative};
 use crate::model::impl_model;
-use crate::num::{Real, clamp, sane};
+use crate::num::{Real, clamp, sane, sign};
 use crate::port::Source;
 
-/// Below this current the voltage drop fades to zero \[A\], so that it has a slope at zero.
-pub const DROP_FADE_A: Real = 0.1;
+/// What a converter is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Gates {
+    /// Gates off: only the diodes conduct, and only where the back-EMF exceeds the input's voltage.
+    #[default]
+    Off,
+    /// A duty.
+    On(Real),
+}
+
+impl Gates {
+    /// The duty, or 0 with gates off.
+    #[inline]
+    #[must_use]
+    pub const fn duty(self) -> Real {
+        match self {
+            Self::Off => 0.0,
+            Self::On(duty) => duty,
+        }
+    }
+}
 
 /// Parameters of a converter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,10 +54,14 @@ pub struct ConverterParams {
     pub duty_limit: Real,
     /// Loss that does not depend on the load \[W\], ≥ 0, drawn at the input.
     pub constant_loss_w: Real,
-    /// Voltage drop against the output current \[V\], ≥ 0.
+    /// Voltage drop against the output current \[V\], ≥ 0: of the switches, or of the diodes.
     pub voltage_drop_v: Real,
     /// Resistance in the output \[Ω\], ≥ 0.
     pub resistance_ohm: Real,
+    /// Largest magnitude of the output current \[A\], above zero; infinity for none. The coupled
+    /// plant holds the duty back for it.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
+    pub current_limit_a: Real,
 }
 
 impl Default for ConverterParams {
@@ -47,8 +73,13 @@ impl Default for ConverterParams {
 
 impl ConverterParams {
     /// Without losses, duty within −1..1.
-    pub const IDEAL: Self =
-        Self { duty_limit: 1.0, constant_loss_w: 0.0, voltage_drop_v: 0.0, resistance_ohm: 0.0 };
+    pub const IDEAL: Self = Self {
+        duty_limit: 1.0,
+        constant_loss_w: 0.0,
+        voltage_drop_v: 0.0,
+        resistance_ohm: 0.0,
+        current_limit_a: Real::INFINITY,
+    };
 }
 
 /// A converter that scales voltage by its duty and conserves power.
@@ -67,7 +98,7 @@ impl ConverterParams {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converter {
-    params: ConverterParams,
+    pub(crate) params: ConverterParams,
 }
 
 /// Input of a [`Converter`] that steps on its own.
@@ -107,6 +138,7 @@ impl Converter {
         check!(not_negative("converter.constant_loss_w", params.constant_loss_w));
         check!(not_negative("converter.voltage_drop_v", params.voltage_drop_v));
         check!(not_negative("converter.resistance_ohm", params.resistance_ohm));
+        check!(limit("converter.current_limit_a", params.current_limit_a));
         Ok(Self { params })
     }
 
@@ -132,18 +164,6 @@ impl Converter {
         }
     }
 
-    /// The converter's own series resistance at `output_a` \[Ω\]: the voltage drop enters as the
-    /// chord `V_d/(|i| + i_ε)`.
-    #[inline]
-    #[must_use]
-    pub const fn series_ohm(&self, output_a: Real) -> Real {
-        if self.params.voltage_drop_v > 0.0 {
-            self.params.resistance_ohm + self.params.voltage_drop_v / (output_a.abs() + DROP_FADE_A)
-        } else {
-            self.params.resistance_ohm
-        }
-    }
-
     /// The constant loss as a shunt at the input \[S\]: `P_0/V²`; none without voltage.
     #[inline]
     #[must_use]
@@ -155,14 +175,12 @@ impl Converter {
         }
     }
 
-    /// A source as seen through `duty`: `D·emf` behind `D²·R` and the converter's own resistance.
+    /// A source as seen through `duty`: `D·emf` behind `D²·R`; the converter's own losses come on
+    /// top.
     #[inline]
     #[must_use]
-    pub const fn seen_through(source: Source, duty: Real, series_ohm: Real) -> Source {
-        Source {
-            emf_v: duty * source.emf_v,
-            resistance_ohm: duty * duty * source.resistance_ohm + series_ohm,
-        }
+    pub const fn seen_through(source: Source, duty: Real) -> Source {
+        Source { emf_v: duty * source.emf_v, resistance_ohm: duty * duty * source.resistance_ohm }
     }
 
     /// One instant of the converter on its own.
@@ -175,13 +193,14 @@ impl Converter {
             return ConverterOutput { duty, output_v, input_a, loss_w, rejected: true };
         }
         let duty = self.allowed_duty(duty);
-        let series_ohm = self.series_ohm(output_a);
+        let lost_v =
+            self.params.voltage_drop_v * sign(output_a) + self.params.resistance_ohm * output_a;
         let shunt_a = self.shunt_s(input_v) * input_v;
         ConverterOutput {
             duty,
-            output_v: duty * input_v - series_ohm * output_a,
+            output_v: duty * input_v - lost_v,
             input_a: duty * output_a + shunt_a,
-            loss_w: series_ohm * output_a * output_a + shunt_a * input_v,
+            loss_w: lost_v * output_a + shunt_a * input_v,
             rejected: false,
         }
     }
@@ -198,6 +217,7 @@ mod tests {
         constant_loss_w: 50.0,
         voltage_drop_v: 1.2,
         resistance_ohm: 0.01,
+        current_limit_a: 300.0,
     };
 
     fn at(params: ConverterParams, duty: Real, input_v: Real, output_a: Real) -> ConverterOutput {
@@ -229,8 +249,9 @@ mod tests {
     #[test]
     fn losses_are_those_of_the_parameters() {
         let out = at(LOSSY, 0.5, 400.0, 100.0);
-        // 50 W + 1.2 V·100 A·(100/100.1) + 0.01 Ω·(100 A)²
-        assert!((out.loss_w - (50.0 + 119.88 + 100.0)).abs() < 0.01, "{}", out.loss_w);
+        // 50 W + 1.2 V·100 A + 0.01 Ω·(100 A)²
+        assert!((out.loss_w - (50.0 + 120.0 + 100.0)).abs() < 0.01, "{}", out.loss_w);
+        assert_eq!(at(LOSSY, 0.5, 400.0, 0.0).output_v, 200.0);
         assert_eq!(at(ConverterParams::IDEAL, 0.5, 400.0, 100.0).loss_w, 0.0);
     }
 
@@ -257,6 +278,10 @@ mod tests {
         assert_eq!(
             refused(ConverterParams { duty_limit: 0.0, ..LOSSY }),
             ParamError::NotALimit("converter.duty_limit")
+        );
+        assert_eq!(
+            refused(ConverterParams { current_limit_a: -1.0, ..LOSSY }),
+            ParamError::NotALimit("converter.current_limit_a")
         );
         for bad in [-1.0, Real::NAN, Real::INFINITY] {
             assert_eq!(

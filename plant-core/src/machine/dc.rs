@@ -136,6 +136,12 @@ pub struct CurrentLaw {
 }
 
 impl CurrentLaw {
+    /// Nothing flows after this step.
+    #[inline]
+    pub(crate) const fn blocked(current_a: Real) -> Self {
+        Self { free_a: -current_a, per_speed: 0.0 }
+    }
+
     /// The current increment for the speed increment that the step found \[A\].
     #[inline]
     #[must_use]
@@ -155,6 +161,12 @@ impl Winding {
             effort_emf: self.effort_emf * (ratio * ratio),
             ..self
         }
+    }
+
+    /// What drives the current over one step beside a source \[V\]: `L/h·i − Ke·ω`.
+    #[inline]
+    pub(crate) const fn free_v(&self, current_a: Real, speed: Real) -> Real {
+        self.inductance_per_h_ohm * current_a - self.back_emf * speed
     }
 
     /// What the machine offers over one step on `source`, the winding eliminated, and the current

@@ -13,7 +13,7 @@
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::mechanics::slope::Grade;
 use crate::model::{Dt, impl_model};
-use crate::num::{Accum, GRAVITY_M_S2, Real, sane};
+use crate::num::{Accum, GRAVITY_M_S2, LARGEST_PARAM, Real, sane};
 use crate::port::{Coast, DriveLaw, Slip, project};
 
 /// Parameters of a vehicle's body.
@@ -52,7 +52,8 @@ pub enum RoadResistance {
     CoastDown {
         /// A: the part that does not depend on speed \[N\], ≥ 0.
         a_n: Real,
-        /// B: the part that grows with speed \[N·s/m\], ≥ 0.
+        /// B: the part that grows with speed \[N·s/m\]. A fit may find it negative: down to −2·√(A·C),
+        /// where the force is positive at any speed, and to half of the mass over the step.
         b_n_s_per_m: Real,
         /// C: the part that grows with its square \[N·s²/m²\], ≥ 0; it takes the wind.
         c_n_s2_per_m2: Real,
@@ -102,7 +103,7 @@ pub struct BodyState {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Road {
-    /// The slope.
+    /// The slope, no steeper than 45°.
     pub grade: Grade,
     /// Wind against the vehicle \[m/s\].
     pub headwind_m_s: Real,
@@ -111,10 +112,16 @@ pub struct Road {
 }
 
 impl Road {
-    /// The sum of its magnitudes, for one check of all.
+    /// The sum of its magnitudes but the slope's, for one check of all.
     #[inline]
     pub(crate) const fn magnitude(&self) -> Real {
-        self.grade.sin.abs() + self.grade.cos.abs() + self.headwind_m_s.abs() + self.brake_n.abs()
+        self.headwind_m_s.abs() + self.brake_n.abs()
+    }
+
+    /// Whether the slope and the brake can be.
+    #[inline(always)]
+    pub(crate) const fn is_possible(&self) -> bool {
+        self.grade.is_possible() && self.brake_n >= 0.0
     }
 }
 
@@ -206,8 +213,13 @@ impl Body {
             }
             RoadResistance::CoastDown { a_n, b_n_s_per_m, c_n_s2_per_m2 } => {
                 check!(not_negative("body.resistance.a_n", a_n));
-                check!(not_negative("body.resistance.b_n_s_per_m", b_n_s_per_m));
                 check!(not_negative("body.resistance.c_n_s2_per_m2", c_n_s2_per_m2));
+                let b = b_n_s_per_m;
+                let resists =
+                    b >= 0.0 || b * b <= 4.0 * a_n * c_n_s2_per_m2 && -2.0 * b * dt.s() <= mass_kg;
+                if !(resists && b <= LARGEST_PARAM) {
+                    return Err(ParamError::OutOfRange("body.resistance.b_n_s_per_m"));
+                }
                 (a_n, b_n_s_per_m, c_n_s2_per_m2)
             }
         };
@@ -267,8 +279,7 @@ impl Body {
         let mut motion = resistance.solve(DriveLaw { effort: input.force_n, slope: 0.0 }, v);
         let rejected = !(sane(input.force_n)
             && sane(input.road.magnitude())
-            && input.road.brake_n >= 0.0
-            && input.road.grade.cos >= 0.0
+            && input.road.is_possible()
             && sane(v + motion.increment_m_s));
         if rejected {
             motion.increment_m_s = 0.0;

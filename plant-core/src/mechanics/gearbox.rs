@@ -22,7 +22,8 @@ use crate::port::Coast;
 pub struct GearboxParams {
     /// Motor turns per wheel turn, above zero.
     pub ratio: Real,
-    /// Share of the torque that gets through, in either direction, above 0 and up to 1.
+    /// Share η of the motor's torque that gets through, above 0 and up to 1. Backwards, the share of
+    /// the wheel's is `1/(2 − η)`: the friction is the same.
     pub efficiency: Real,
     /// Inertia of the gears, as felt at the motor's side \[kg·m²\], ≥ 0.
     pub inertia_kg_m2: Real,

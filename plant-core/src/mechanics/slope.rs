@@ -16,7 +16,7 @@ use crate::num::{Real, clamp, sane, sqrt};
 pub struct Grade {
     /// Sine of the angle: height per distance along the road; positive climbs.
     pub sin: Real,
-    /// Cosine of the angle, ≥ 0.
+    /// Cosine of the angle, ≥ 0; with the sine, the squares add up to 1.
     pub cos: Real,
 }
 
@@ -29,6 +29,17 @@ impl Default for Grade {
 impl Grade {
     /// A flat road.
     pub const FLAT: Self = Self { sin: 0.0, cos: 1.0 };
+
+    /// Steeper ones count as a mistake (a slope in percent, say): 45°, 1 in 1.
+    pub(crate) const STEEPEST_COS: Real = 0.7;
+
+    /// Whether this is the sine and the cosine of one angle (to 1 %, so that a cosine of 1 will do
+    /// up to 10 %), no steeper than 45°.
+    #[inline(always)]
+    pub(crate) const fn is_possible(&self) -> bool {
+        let off = self.sin * self.sin + self.cos * self.cos - 1.0;
+        off.abs() <= 0.01 && self.cos >= Self::STEEPEST_COS
+    }
 
     /// From the sine of the angle, held within −1..1; flat where it is not a number.
     #[must_use]
@@ -91,10 +102,16 @@ pub struct SlopeState {
 }
 
 impl SlopeState {
-    /// On a flat road at this height and distance.
+    /// At this height and distance; the road counts as flat until the first window is complete.
     #[must_use]
     pub const fn starting_at(height_m: Real, distance_m: Real) -> Self {
-        Self { height_m, distance_m, grade: Grade::FLAT }
+        Self::starting_on(Grade::FLAT, height_m, distance_m)
+    }
+
+    /// The same where the slope of the start is known.
+    #[must_use]
+    pub const fn starting_on(grade: Grade, height_m: Real, distance_m: Real) -> Self {
+        Self { height_m, distance_m, grade }
     }
 }
 
@@ -172,6 +189,8 @@ mod tests {
         assert!((at(&mut s, 500.5, 30.0)).abs() < 1e-6);
         // Rolling backwards down is the same slope.
         assert!((at(&mut s, 499.5, 10.0) - 0.05).abs() < 1e-5);
+        let mut s = SlopeState::starting_on(Grade::from_sin(0.1), 500.0, 0.0);
+        assert_eq!(at(&mut s, 500.4, 9.0), 0.1);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A lookup table over the state of charge.
 
 use super::Real;
-use crate::error::{ParamError, check};
+use crate::error::{ParamError, check, ratio};
 
 /// Points of a [`SocTable`].
 pub const SOC_POINTS: usize = 65;
@@ -39,22 +39,22 @@ impl SocTable {
     ///
     /// # Errors
     /// [`ParamError::NotIncreasing`] unless there are two points at least and the state of charge
-    /// rises from each to the next; [`ParamError::NotFinite`] for a bad value.
+    /// rises from each to the next; [`ParamError::NotARatio`] where one lies outside 0..1 (percent,
+    /// say); [`ParamError::NotFinite`] for a bad value.
     pub const fn from_points(
         field: &'static str,
         points: &[(Real, Real)],
     ) -> Result<Self, ParamError> {
         let [(first, _), _, ..] = points else { return Err(ParamError::NotIncreasing(field)) };
-        if !first.is_finite() {
-            return Err(ParamError::NotIncreasing(field));
-        }
+        check!(ratio(field, *first));
         let mut rest = points;
         while let [(before, _), tail @ ..] = rest
             && let [(after, _), ..] = tail
         {
-            if !after.is_finite() || *after <= *before {
+            if *after <= *before {
                 return Err(ParamError::NotIncreasing(field));
             }
+            check!(ratio(field, *after));
             rest = tail;
         }
         let mut values = [0.0; SOC_POINTS];
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
     fn any_value_and_any_mean_are_those_of_the_polyline() {
-        let points = [(-0.5, 1.0), (0.125, 4.0), (0.25, 2.0), (0.5, 2.5), (0.75, 7.0), (1.5, 1.0)];
+        let points = [(0.0, 1.0), (0.125, 4.0), (0.25, 2.0), (0.5, 2.5), (0.75, 7.0), (1.0, 1.0)];
         let t = SocTable::from_points("t", &points).unwrap();
         let exact = |soc: Real| {
             let soc = soc.clamp(0.0, 1.0);
@@ -223,8 +223,9 @@ mod tests {
         let bad = |p: &[(Real, Real)]| SocTable::from_points("t", p).unwrap_err();
         assert_eq!(bad(&[(0.0, 1.0)]), ParamError::NotIncreasing("t"));
         assert_eq!(bad(&[(0.0, 1.0), (0.0, 2.0)]), ParamError::NotIncreasing("t"));
-        assert_eq!(bad(&[(Real::NAN, 1.0), (1.0, 2.0)]), ParamError::NotIncreasing("t"));
-        assert_eq!(bad(&[(0.0, 1.0), (Real::NAN, 2.0)]), ParamError::NotIncreasing("t"));
+        for (from, to) in [(Real::NAN, 1.0), (0.0, Real::NAN), (0.0, 50.0), (-0.1, 1.0)] {
+            assert_eq!(bad(&[(from, 1.0), (to, 2.0)]), ParamError::NotARatio("t"), "{from} {to}");
+        }
         assert_eq!(bad(&[(0.0, Real::INFINITY), (1.0, 2.0)]), ParamError::NotFinite("t"));
     }
 }

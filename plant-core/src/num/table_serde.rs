@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn reads_up_to_257_points() {
         let list = |n: usize| {
-            let pairs: Vec<_> = (0..n).map(|i| format!("[{i}, 1.0]")).collect();
+            let pairs: Vec<_> = (0..n).map(|i| format!("[{}, 1.0]", i as f64 / 300.0)).collect();
             format!("[{}]", pairs.join(","))
         };
         assert!(read(&list(2)).is_ok() && read(&list(257)).is_ok());

@@ -11,7 +11,7 @@
 //!
 //! Tests: below and in `tests/ledger.rs`; property `ledger`.
 
-use crate::num::{Accum, Real};
+use crate::num::{Accum, Real, max};
 
 /// Lists the ledger's terms once; everything that knows them comes from here.
 macro_rules! terms {
@@ -48,7 +48,7 @@ macro_rules! terms {
         const NAMES: [&str; TERMS] = [$(stringify!($term),)+ "throughput"];
 
         /// Where the energy went since the start \[J\]; each term positive in the sense of its
-        /// name. `electrochemical` is the sum of all others but `open_circuit_explicit`.
+        /// name. `electrochemical` is the sum of all others but the last two.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct EnergyReport {
@@ -63,15 +63,18 @@ macro_rules! terms {
             pub capacitive: Real,
             /// What the balance does not explain: rounding.
             pub residual: Real,
+            /// Part of `electrochemical` that no charge stands for: it went into a full battery
+            /// (positive), or out of an empty one.
+            pub overcharge: Real,
             /// The step takes the open-circuit voltage of its start; this is how much the
-            /// battery's stored energy fell beyond `electrochemical` for it.
+            /// battery's stored energy fell beyond `electrochemical` and `overcharge` for it.
             pub open_circuit_explicit: Real,
         }
 
         impl EnergyReport {
             /// Each term's name and value, in the order of the ledger.
             #[must_use]
-            pub const fn terms(&self) -> [(&'static str, Real); TERMS + 5] {
+            pub const fn terms(&self) -> [(&'static str, Real); TERMS + 6] {
                 [
                     $((stringify!($term), self.$term),)+
                     ("throughput", self.throughput),
@@ -79,6 +82,7 @@ macro_rules! terms {
                     ("inductive", self.inductive),
                     ("capacitive", self.capacitive),
                     ("residual", self.residual),
+                    ("overcharge", self.overcharge),
                     ("open_circuit_explicit", self.open_circuit_explicit),
                 ]
             }
@@ -131,10 +135,13 @@ terms! {
 const _: () = assert!(TERMS == 16);
 
 impl EnergyReport {
-    /// The residual over the throughput; 0 where nothing flowed.
+    /// The residual over the throughput, or over what moved between height, motion and brake where
+    /// that is more (a full battery downhill); 0 where nothing moved.
     #[must_use]
     pub const fn residual_rel(&self) -> Real {
-        if self.throughput > 0.0 { self.residual / self.throughput } else { 0.0 }
+        let moved = max(self.potential.abs(), max(self.kinetic.abs(), self.brake));
+        let size = max(self.throughput, moved);
+        if size > 0.0 { self.residual / size } else { 0.0 }
     }
 }
 
@@ -146,6 +153,7 @@ pub struct EnergyLedger {
     totals: [Accum; TERMS],
     next: usize,
     start: Stored,
+    overcharge_j: Accum,
 }
 
 impl EnergyLedger {
@@ -181,7 +189,8 @@ impl EnergyLedger {
             balance.add(-stored);
         }
         report.residual = balance.get();
-        report.open_circuit_explicit = discharged_j - report.electrochemical;
+        report.overcharge = self.overcharge_j.get();
+        report.open_circuit_explicit = discharged_j - report.electrochemical - report.overcharge;
         report
     }
 }
@@ -204,6 +213,8 @@ pub trait Book: Copy + Default {
     fn starting_with(start: Stored) -> Self;
     /// Books the raw powers of one step.
     fn book(&mut self, raw: &Flows);
+    /// Books what went into a full battery, or out of an empty one \[J\].
+    fn book_overcharge(&mut self, energy_j: Real);
 }
 
 impl Book for EnergyLedger {
@@ -221,6 +232,10 @@ impl Book for EnergyLedger {
         self.recent[k] = 0.0;
         self.next = k + 1;
     }
+
+    fn book_overcharge(&mut self, energy_j: Real) {
+        self.overcharge_j.add(energy_j);
+    }
 }
 
 /// Keeps no books.
@@ -236,6 +251,9 @@ impl Book for NoLedger {
 
     #[inline(always)]
     fn book(&mut self, _raw: &Flows) {}
+
+    #[inline(always)]
+    fn book_overcharge(&mut self, _energy_j: Real) {}
 }
 
 #[cfg(test)]
@@ -274,6 +292,8 @@ mod tests {
         assert!((open.residual_rel() - 0.06).abs() < 1e-5, "{open:?}");
         assert_eq!(open.terms()[5], ("copper", open.copper));
         assert_eq!(EnergyReport::default().residual_rel(), 0.0);
+        let downhill = EnergyReport { residual: 2.0, potential: -1e6, ..EnergyReport::default() };
+        assert_eq!(downhill.residual_rel(), 2e-6);
     }
 
     #[test]

@@ -1,176 +1,231 @@
-//! Battery limits: they act on the duty, so both sides of the converter agree.
+//! Limits: they act on the duty, so both sides of the converter agree.
 //!
-//! Within a friction mode the battery current `D·i = I` is a quadratic in the duty,
-//! `(E − R·I)·D² + β·D − ρ·I = 0`; its root in the mode that it leads to is the duty. It is ours.
+//! Within a friction mode the speed is linear in the winding current x, and so is the winding's
+//! voltage `e + r·x + l·(x − i)`. The limits bound the power on the bus, that is a quadratic in x;
+//! the nearest x that keeps them gives the voltage, the bus and the duty. It is ours.
 //!
-//! Tests: below; property `limits`.
+//! Tests: `tests` below; `tests/limits` of the powertrain; property `limits`.
 
 use super::solve::{Solution, Start};
 use super::{Limited, Powertrain, PowertrainState};
-use crate::battery::Pack;
+use crate::battery::{CurrentLimits, Pack};
+use crate::converter::Gates;
 use crate::mechanics::body::Resistance;
-use crate::num::{Real, max, sqrt};
-use crate::port::Slip;
+use crate::num::{LARGEST, Real, clamp, max, min, sign, sqrt};
+use crate::port::{Slip, Source};
 use crate::powertrain::ledger::Book;
 
 /// How often the friction mode may change while the duty is sought; there are three modes.
 const TRIES: u32 = 3;
+/// What flows beyond a limit counts as exceeding it from this share of the current on.
+const EXCEEDED_REL: Real = 1e-3;
+/// And from this much on \[A\].
+const EXCEEDED_A: Real = 1e-3;
 
-/// A step that keeps the battery's limits.
+/// A step that keeps the limits, as far as a duty can.
 pub(super) struct Held {
     pub solution: Solution,
     pub limited: Limited,
     pub starved: bool,
+    /// What flows beyond the battery's limits all the same \[A\].
+    pub exceeded_a: Real,
 }
 
 impl<L: Book, B: Pack> Powertrain<L, B> {
-    /// The step again, so that the limits are kept: the auxiliary loads are cut off if the battery
-    /// cannot feed even them, then the duty is held back.
+    /// The step again, so that the limits are kept: the auxiliary loads are cut off where nothing
+    /// feeds them, then the duty is held back.
     ///
     /// It works out for itself where the step starts from, and takes numbers one by one: to be
     /// handed more would have every step keep it in memory, for the sake of the few that come here.
-    ///
-    /// Within a friction mode (forward, backward, stuck) the current is
-    /// `i = (β + D·E)/(ρ + D²·R)`, so `D·i = I` is a quadratic in D. Its root can change the mode,
-    /// so it is solved again in the mode found.
     #[cold]
     #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "see above")]
     pub(super) fn hold_limits(
         &self,
         state: &PowertrainState<L, B::State>,
-        commanded: Real,
+        gates: Gates,
         auxiliary_w: Real,
+        asked: CurrentLimits,
         force_n: Real,
         slope_n_s_per_m: Real,
         friction_n: Real,
     ) -> Held {
-        let limits = self.battery.limits(&state.battery);
+        let limits = self.battery.faded(&state.battery).within(asked);
         let resistance = Resistance { force_n, slope_n_s_per_m, friction_n, drag_n_s_per_m: 0.0 };
         let (mut start, source, _) = self.start(state, auxiliary_w, resistance);
-        let starved = limits.discharge_a < start.loads.current_a(start.bus.emf_v);
+        let walk = |start: &Start| match gates {
+            Gates::Off => self.solve_off(start),
+            Gates::On(duty) => self.solve(start, self.converter.allowed_duty(duty)),
+        };
+        let mut solution = walk(&start);
+        let starved = solution.battery_a > limits.discharge_a
+            && start.loads.current_a(start.bus.emf_v) > limits.discharge_a;
         if starved {
             start.starve(source);
+            solution = walk(&start);
         }
-        let (mut duty, mut limited, mut tries) = (commanded, Limited::No, 0);
-        let (mut sought, mut allowed_a) = (Slip::Stuck, 0.0);
+        let mut limited = Limited::No;
+        if let Gates::On(_) = gates {
+            (solution, limited) = self.held(&start, source, limits, solution);
+        }
+        let over_a =
+            max(solution.battery_a - limits.discharge_a, -solution.battery_a - limits.charge_a);
+        let exceeded = over_a > EXCEEDED_REL * solution.battery_a.abs() + EXCEEDED_A;
+        Held { solution, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
+    }
+
+    /// The solution with the winding current nearest to that of `wanted` that keeps the limits.
+    ///
+    /// The current decides on the power, the power on the bus voltage, both on the duty. Which way
+    /// friction acts is part of the axis; where it turns out another, once more.
+    fn held(
+        &self,
+        start: &Start,
+        source: Source,
+        limits: CurrentLimits,
+        wanted: Solution,
+    ) -> (Solution, Limited) {
+        let wanted_a = start.current_a + wanted.current_increment_a;
+        let most_a = self.converter.params.current_limit_a;
+        let half_v = 0.5 * start.bus.emf_v;
+        // A duty beyond that of the greatest power asks for more and brings less.
+        let asked_a = if wanted.battery_v < half_v { sign(wanted_a) * LARGEST } else { wanted_a };
+        let want = clamp(asked_a, -most_a, most_a);
+        let (lowest_w, highest_w) = drive_power_w(start, source, limits);
+        let (mut solution, mut limited, mut tries) = (wanted, Limited::No, 0);
         loop {
-            let solution = self.solve(&start, duty);
             let slip = solution.motion.slip;
-            if limited == Limited::No {
-                // What is left for the drive when the battery is at its limit.
-                let left_a =
-                    |battery_a| battery_a - start.loads.current_a(source.voltage_v(battery_a));
-                (limited, allowed_a) = if solution.battery_a < -limits.charge_a {
-                    (Limited::Charge, left_a(-limits.charge_a))
-                } else if solution.battery_a > limits.discharge_a {
-                    (Limited::Discharge, max(left_a(limits.discharge_a), 0.0))
-                } else {
-                    return Held { solution, limited, starved };
-                };
-            } else if slip == sought || tries == TRIES {
-                return Held { solution, limited, starved };
+            let axis = self.axis(start, slip, want);
+            let current_a = axis.held(want, lowest_w, highest_w);
+            if current_a != want {
+                // Braking by drawing may end as braking that charges.
+                let draws = axis.power_w(want) > highest_w && axis.power_w(current_a) >= 0.0;
+                limited = if draws { Limited::Discharge } else { Limited::Charge };
+            } else if want != wanted_a {
+                limited = Limited::Current;
+            } else if limited == Limited::No {
+                return (wanted, limited);
             }
-            (sought, tries) = (slip, tries + 1);
-            let root = self.drive(&start, slip).drawing(allowed_a, commanded);
-            duty = self.converter.allowed_duty(root);
+            let terminal_v = axis.terminal_v(current_a);
+            let headroom = half_v * half_v - start.bus.resistance_ohm * terminal_v * current_a;
+            let bus_v = half_v + sqrt(max(headroom, 0.0));
+            solution = self.solve(start, self.converter.allowed_duty(terminal_v / bus_v));
+            tries += 1;
+            if solution.motion.slip == slip || tries == TRIES {
+                return (solution, limited);
+            }
         }
     }
 
-    /// The drive in one friction mode.
-    #[inline(always)]
-    fn drive(&self, start: &Start, slip: Slip) -> DutyLaw {
+    /// The winding with its converter in one friction mode, the speed eliminated; `want` says
+    /// which way the converter's drop acts.
+    fn axis(&self, start: &Start, slip: Slip, want: Real) -> Axis {
         let winding = &self.winding;
-        let mut law = DutyLaw {
-            emf_v: start.bus.emf_v,
-            source_ohm: start.bus.resistance_ohm,
-            beta_v: winding.inductance_per_h_ohm * start.current_a,
-            rho_ohm: winding.inductance_per_h_ohm + winding.resistance_ohm + start.converter_ohm,
+        let mut axis = Axis {
+            inductance_ohm: winding.inductance_per_h_ohm,
+            resistance_ohm: winding.resistance_ohm + start.converter_ohm,
+            back_emf_v: sign(want) * start.drop_v,
+            current_a: start.current_a,
         };
         if slip != Slip::Stuck {
             let mobility = 1.0 / start.resistance.slope_n_s_per_m;
             let coasting_n = start.resistance.force_n - slip.sign() * start.resistance.friction_n;
-            law.beta_v -= winding.back_emf * (start.speed_m_s + coasting_n * mobility);
-            law.rho_ohm += winding.back_emf * winding.effort_per_a * mobility;
+            axis.back_emf_v += winding.back_emf * (start.speed_m_s + coasting_n * mobility);
+            axis.resistance_ohm += winding.back_emf * winding.effort_per_a * mobility;
         }
-        law
+        axis
     }
 }
 
-/// A drive in one friction mode on a source.
-struct DutyLaw {
-    emf_v: Real,
-    source_ohm: Real,
-    beta_v: Real,
-    rho_ohm: Real,
+/// The lowest and the highest power that the drive may take from the bus \[W\].
+fn drive_power_w(start: &Start, source: Source, limits: CurrentLimits) -> (Real, Real) {
+    let charging_v = source.voltage_v(-limits.charge_a);
+    let fed_a = limits.charge_a + start.loads.current_a(charging_v);
+    // No more than the source can give at all.
+    let drawn_a = min(limits.discharge_a, 0.5 * source.emf_v / source.resistance_ohm);
+    let drawing_v = source.voltage_v(drawn_a);
+    let left_a = max(drawn_a - start.loads.current_a(drawing_v), 0.0);
+    (-fed_a * charging_v, left_a * drawing_v)
 }
 
-impl DutyLaw {
-    /// The root of `(E − R·I)·D² + β·D − ρ·I = 0` that lies between `commanded` and no
-    /// battery current: towards 0 when discharging, towards back-EMF when charging (lowering the
-    /// duty there would raise the current).
-    #[inline(always)]
-    fn drawing(self, allowed_a: Real, commanded: Real) -> Real {
-        let Self { emf_v, source_ohm, beta_v, rho_ohm } = self;
-        let a = emf_v - source_ohm * allowed_a;
-        let discriminant = beta_v * beta_v + 4.0 * a * rho_ohm * allowed_a;
+/// A winding over one step. A step that ends at the current x takes the power
+/// `x·(e + r·x + l·(x − i))` from the bus; held there, it takes `x·(e + r·x)`.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    /// l: inductance over the step \[Ω\].
+    inductance_ohm: Real,
+    /// r: resistance, and how a current changes the back-EMF \[Ω\].
+    resistance_ohm: Real,
+    /// e: back-EMF without current \[V\].
+    back_emf_v: Real,
+    /// i: current at the start \[A\].
+    current_a: Real,
+}
+
+impl Axis {
+    /// The voltage that leads to the current x.
+    fn terminal_v(&self, x: Real) -> Real {
+        self.back_emf_v + self.resistance_ohm * x + self.inductance_ohm * (x - self.current_a)
+    }
+
+    fn power_w(&self, x: Real) -> Real {
+        x * self.terminal_v(x)
+    }
+
+    /// The current nearest to `want` whose power lies between `lowest_w` ≤ 0 and `highest_w` ≥ 0.
+    ///
+    /// Discharging, the power of the step itself is held, which is stable: less current, less
+    /// power. Charging it is not, as a voltage that lowers the power lets the current grow: there
+    /// the power of the current *held* bounds it, `r·x² + e·x = lowest`, whatever i is. From
+    /// within this edge the step lands on it. A current beyond decays with L/r, under the voltage
+    /// that belongs to the edge, so that the battery's current exceeds its limit by the factor
+    /// |i|/|edge| at most.
+    fn held(&self, want: Real, lowest_w: Real, highest_w: Real) -> Real {
+        let (e, i) = (self.back_emf_v, self.current_a);
+        let want =
+            if self.power_w(want) > highest_w { self.at_power(highest_w, want) } else { want };
+        let discriminant = e * e + 4.0 * self.resistance_ohm * lowest_w;
+        if discriminant > 0.0 {
+            // All counted in the direction in which the machine brakes.
+            let way = -sign(e);
+            let edge = -2.0 * lowest_w / (e.abs() + sqrt(discriminant));
+            let (held, braking) = (way * i, way * want);
+            if held > edge && braking > 0.0 {
+                let share = self.resistance_ohm / (self.inductance_ohm + self.resistance_ohm);
+                let decayed = way * (held + (edge - held) * share);
+                // Faster only where that charges less.
+                let faster = braking < way * decayed && self.power_w(want) >= self.power_w(decayed);
+                return if faster { want } else { decayed };
+            }
+            if braking > edge {
+                return way * edge;
+            }
+        }
+        if self.power_w(want) < lowest_w { self.at_power(lowest_w, i) } else { want }
+    }
+
+    /// The root of `(l + r)·x² + (e − l·i)·x = p` on the side of `near`.
+    fn at_power(&self, p: Real, near: Real) -> Real {
+        let a = self.inductance_ohm + self.resistance_ohm;
+        let b = self.back_emf_v - self.inductance_ohm * self.current_a;
+        let discriminant = b * b + 4.0 * a * p;
         if discriminant < 0.0 {
-            // No duty charges that much; or discharges that much, but for rounding.
-            return if allowed_a < 0.0 { -beta_v / emf_v } else { commanded };
+            return -b / (2.0 * a);
         }
-        let root = sqrt(discriminant);
-        if allowed_a < 0.0 {
-            return if beta_v > 0.0 { -beta_v - root } else { -beta_v + root } / (2.0 * a);
+        // Without cancellation.
+        let q = -0.5 * (b + if b < 0.0 { -sqrt(discriminant) } else { sqrt(discriminant) });
+        if q == 0.0 {
+            return 0.0;
         }
-        let signed = if commanded < 0.0 { -root } else { root };
-        if beta_v * signed > 0.0 {
-            // Without cancellation; also for a ≤ 0, as plug braking can draw more than the
-            // short-circuit current.
-            2.0 * rho_ohm * allowed_a / (beta_v + signed)
-        } else if a > 0.0 {
-            (signed - beta_v) / (2.0 * a)
+        let (one, two) = (q / a, -p / q);
+        let first = if p > 0.0 {
+            (one > 0.0) == (near > 0.0)
         } else {
-            commanded // beyond the short-circuit current: nothing to hold back
-        }
+            (one - near).abs() < (two - near).abs()
+        };
+        if first { one } else { two }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const LAW: DutyLaw = DutyLaw { emf_v: 350.0, source_ohm: 0.1, beta_v: 0.0, rho_ohm: 0.2 };
-
-    #[test]
-    fn the_duty_draws_what_is_allowed_between_the_command_and_none() {
-        for beta_v in [-120.0, -40.0, 40.0, 120.0] {
-            for allowed_a in [-80.0, -10.0, 10.0, 300.0] {
-                for commanded in [-0.9, 0.9] {
-                    let duty = DutyLaw { beta_v, ..LAW }.drawing(allowed_a, commanded);
-                    let a = 350.0 - 0.1 * allowed_a;
-                    let discriminant = beta_v * beta_v + 4.0 * a * 0.2 * allowed_a;
-                    if discriminant < 0.0 {
-                        assert_eq!(duty, -beta_v / 350.0, "as little as can be");
-                        continue;
-                    }
-                    let rest_v = a * duty * duty + beta_v * duty - 0.2 * allowed_a;
-                    assert!(rest_v.abs() < 1e-2, "{beta_v} {allowed_a}: {duty} leaves {rest_v}");
-                    // The other root: the product of both is −ρ·I/a.
-                    let other = -0.2 * allowed_a / a / duty;
-                    if allowed_a < 0.0 {
-                        assert!(duty.abs() >= other.abs(), "towards back-EMF: {duty}, not {other}");
-                    } else {
-                        assert!(duty * commanded > 0.0, "{duty} for {commanded}");
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_drawn_is_left_as_it_is() {
-        // Beyond the short-circuit current.
-        let law = DutyLaw { beta_v: -1.0, ..LAW };
-        assert_eq!(law.drawing(4000.0, 0.7), 0.7);
-        assert_eq!(DutyLaw { beta_v: -20.0, ..LAW }.drawing(4000.0, 0.7), 0.7);
-    }
-}
+mod tests;

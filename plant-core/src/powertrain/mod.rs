@@ -8,7 +8,8 @@
 //! ```text
 //! battery    V = V_oc(SOC) − V_rc − R_s·I     dSOC/dt = −I/(3600·Q)    C·dV_rc/dt = I − V_rc/R_p
 //! bus        I = D·i + P/V + V/R_aux + P_0/V                  auxiliary loads, converter's loss
-//! winding    L·di/dt = D·V − R_c·i − R·i − Ke·k·v             R_c: converter with its drop
+//! winding    L·di/dt = D·V − (R + R_c)·i − V_d·sgn(i) − Ke·k·v     R_c, V_d: converter
+//!            set-valued at i = 0; gates off: D = −sgn(i), and nothing flows into the winding
 //! road       m·dv/dt = Kt·k·i − c·|v + w|·(v + w) − b·v − M·g·sin α − F_c·sgn(v)
 //!            F_c = C_r·M·g·cos α + F_brake + Coulomb friction + gears' loss, set-valued at v = 0
 //! ```
@@ -24,7 +25,8 @@
 //! ```text
 //! Battery::offer              V  = emf − resistance·I         RC branch eliminated      source
 //! Source::loaded              V  = emf − resistance·D·i'      loads eliminated          bus
-//! Converter::seen_through     D·emf behind D²·resistance + R_c                          seen
+//! Converter::seen_through     D·emf ∓ V_d behind D²·resistance + R_c                    seen
+//!                             within V_d of no current, none: i' = 0                    blocked
 //! Winding::law                Y  = 1/(L/h + R + seen.resistance)               admittance_s
 //!                             Δi = Y·(seen.emf − (R + seen.resistance)·i − Ke·k·v) − Y·Ke·k·Δv
 //!                                = free_a − per_speed·Δv                                current
@@ -36,7 +38,7 @@
 //!
 //! `project` takes v to exactly 0 where friction holds it. One walk back settles each state:
 //! `Δi = free_a − per_speed·Δv`, `I` and `V` on the bus, SOC, distance. No iteration, except
-//! a bounded one when a battery limit acts ([`Limited`]). In one line, with `a11 = L/h + R_total`
+//! a bounded one when a limit acts ([`Limited`]). In one line, with `a11 = L/h + R_total`
 //! and `a22 = m/h + c·|v + w| + b`, it is the solution of the two by two system whose determinant
 //! is `a11·a22 + Ke·Kt·k²`.
 //!
@@ -47,12 +49,14 @@
 //! `tests/tests/rounding.rs`; a second tool in `tests/tests/second_reference.rs`; cases "UDDS",
 //! "trip", "converter bench".
 
+mod input;
 pub mod ledger;
 mod limit;
 mod output;
 mod params;
 mod solve;
 
+pub use input::PowertrainInput;
 pub use output::{Feedback, Limited, PowertrainOutput};
 pub use params::PowertrainParams;
 
@@ -60,21 +64,24 @@ use core::marker::PhantomData;
 
 use crate::auxiliary::Auxiliary;
 use crate::battery::{Battery, BatteryState, MappedBattery, MappedBatteryParams, Pack};
-use crate::converter::Converter;
+use crate::converter::{Converter, Gates};
 use crate::error::{ParamError, check};
 use crate::machine::dc::{DcMotor, Winding};
-use crate::mechanics::body::{Body, BodyState, Road};
+use crate::mechanics::body::{Body, BodyState};
 use crate::mechanics::gearbox::Gearbox;
 use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
-use crate::num::{Accum, Real, sound};
+use crate::num::{Accum, Real, min, sound};
 use crate::port::Coast;
 use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
+use crate::powertrain::solve::Solution;
 
 /// The coupled plant, discretised for one step; `L` says whether it keeps an energy ledger, `B`
 /// which battery it has.
 ///
-/// For a given duty and given forces a step is stable for any `h` and any physical parameter.
+/// For a given duty and given forces a step is stable for any `h` and any physical parameter. So it
+/// is where a limit acts: the current stands at the limit; one that was beyond it already, as when
+/// the limit falls, decays with the winding's L/R.
 ///
 /// ```
 /// use plant_core::powertrain::ledger::EnergyLedger;
@@ -89,7 +96,7 @@ use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stor
 /// let start = CAR.at_rest(0.8)?;
 /// let mut state = start;
 /// for _ in 0..5000 {
-///     CAR.step(&mut state, PowertrainInput { duty: 0.1, ..PowertrainInput::default() });
+///     CAR.step(&mut state, PowertrainInput::on(0.1));
 /// }
 /// assert!(state.body.speed_m_s.get() > 5.0);
 /// let energy = CAR.energy(&start, &state);
@@ -131,20 +138,10 @@ pub struct PowertrainState<L = NoLedger, S = BatteryState> {
     pub body: BodyState,
     /// Voltage at the battery's terminals at the last step \[V\].
     pub battery_v: Real,
+    /// How long the constant auxiliary power still stays cut out \[s\]; 0 where it is not.
+    pub cut_out_s: Real,
     /// The books, or nothing.
     pub ledger: L,
-}
-
-/// Input of a [`Powertrain`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PowertrainInput {
-    /// Commanded duty of the converter.
-    pub duty: Real,
-    /// Slope, wind and friction brake.
-    pub road: Road,
-    /// Auxiliary power beside the parameter \[W\], ≥ 0.
-    pub auxiliary_w: Real,
 }
 
 impl Powertrain<NoLedger> {
@@ -263,6 +260,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             current_a: Accum::new(0.0),
             body: BodyState { speed_m_s, distance_m: Accum::new(0.0) },
             battery_v: self.battery.offer(&battery).0.emf_v,
+            cut_out_s: 0.0,
             ledger: L::default(),
         };
         state.ledger = L::starting_with(self.stored(&state));
@@ -290,6 +288,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             soc: B::soc(&state.battery),
             duty: 0.0,
             limited: false,
+            slope_sin: 0.0,
         }
     }
 
@@ -311,6 +310,28 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         self.coast.inertia_per_h * self.dt_s
     }
 
+    /// Whether a solution keeps every limit, with gates on.
+    ///
+    /// A winding's field that grows hides what the battery will be charged with once it has grown:
+    /// that counts too.
+    #[inline(always)]
+    fn keeps_limits(
+        &self,
+        i: Real,
+        solution: &Solution,
+        next: &B::State,
+        input: &PowertrainInput,
+    ) -> bool {
+        let (reached_a, battery_a) = (i + solution.current_increment_a, solution.battery_a);
+        let field_w = self.winding.inductance_per_h_ohm * solution.current_increment_a * reached_a;
+        let least_a = min(battery_a, battery_a - field_w / solution.battery_v);
+        input.gates != Gates::Off
+            && reached_a.abs() <= self.converter.params.current_limit_a
+            && battery_a <= input.limits.discharge_a
+            && least_a >= -input.limits.charge_a
+            && self.battery.allows(battery_a, least_a, next)
+    }
+
     /// Advances by one step.
     #[inline(always)]
     pub fn step(
@@ -324,26 +345,32 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             resistance.friction_n += self.gear_loss_n_per_a * i.abs();
         }
         let (mut start, source, open_circuit_v) = self.start(state, input.auxiliary_w, resistance);
-        let commanded = self.converter.allowed_duty(input.duty);
+        let asked = input.gates.duty();
+        let commanded = self.converter.allowed_duty(asked);
         let mut solution = self.solve(&start, commanded);
         let mut battery = self.battery.next(&state.battery, solution.battery_a);
-        let (mut limited, mut starved) = (Limited::No, false);
-        if !self.battery.allows(solution.battery_a, &battery) {
+        let mut limited = if commanded == asked { Limited::No } else { Limited::Duty };
+        let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
+        if !self.keeps_limits(i, &solution, &battery, &input) {
             let held = self.hold_limits(
                 state,
-                commanded,
+                input.gates,
                 input.auxiliary_w,
+                input.limits,
                 resistance.force_n,
                 resistance.slope_n_s_per_m,
                 resistance.friction_n,
             );
-            (solution, limited, starved) = (held.solution, held.limited, held.starved);
+            (solution, starved, exceeded_a) = (held.solution, held.starved, held.exceeded_a);
+            if held.limited != Limited::No {
+                limited = held.limited;
+            }
             if starved {
                 start.starve(source);
             }
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
-            self.battery.settle(&mut settled, solution.battery_a);
+            overcharged_c = self.battery.settle(&mut settled, solution.battery_a);
             battery = settled;
         }
 
@@ -356,9 +383,10 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             + solution.battery_a.abs()
             + B::magnitude(&battery);
         let accepted = sound(magnitude)
-            && input.road.brake_n >= 0.0
-            && input.road.grade.cos >= 0.0
-            && input.auxiliary_w >= 0.0;
+            && input.road.is_possible()
+            && input.auxiliary_w >= 0.0
+            && input.limits.discharge_a >= 0.0
+            && input.limits.charge_a >= 0.0;
         if !accepted {
             return self.rejected(state, open_circuit_v);
         }
@@ -369,18 +397,28 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         Body::settle(&mut state.body, solution.motion, self.dt_s);
         state.battery = battery;
         state.battery_v = solution.battery_v;
+        if start.loads.any {
+            state.cut_out_s =
+                self.auxiliary.cut_out_s(state.cut_out_s, solution.battery_v, self.dt_s);
+        }
 
         let raw = self.raw_flows(state, &input.road, &start, &solution, open_circuit_v, losses);
         state.ledger.book(&raw);
+        if overcharged_c != 0.0 {
+            state.ledger.book_overcharge(overcharged_c * open_circuit_v);
+        }
         self.battery.refresh(&mut state.battery);
         PowertrainOutput {
             rejected: false,
             duty: solution.duty,
             limited,
+            limit_exceeded_a: exceeded_a,
+            overcharged_c,
             auxiliary_starved: starved,
             slip: solution.motion.slip,
             speed_m_s: state.body.speed_m_s.get(),
             distance_m: state.body.distance_m.get(),
+            slope_sin: input.road.grade.sin,
             soc: B::soc(&state.battery),
             battery_a: solution.battery_a,
             battery_v: solution.battery_v,

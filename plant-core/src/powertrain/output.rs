@@ -8,17 +8,21 @@ use crate::num::Real;
 use crate::port::Slip;
 use crate::powertrain::ledger::{Book, Flows};
 
-/// Whether a battery limit changed the duty.
+/// What changed the duty, if anything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Limited {
-    /// The duty is the commanded one.
+    /// The duty is the commanded one; or the gates are off.
     #[default]
     No,
     /// The discharge limit, or what is left to discharge, held it back.
     Discharge,
     /// The charge limit, or what is left to charge, held it back.
     Charge,
+    /// The commanded duty lay beyond the converter's limit.
+    Duty,
+    /// The converter's current limit held it back.
+    Current,
 }
 
 /// Output of one step of a [`Powertrain`].
@@ -27,11 +31,17 @@ pub enum Limited {
 pub struct PowertrainOutput {
     /// An input was not finite or absurd; the state is unchanged and nothing flowed.
     pub rejected: bool,
-    /// The duty applied.
+    /// The duty applied. With gates off the diodes': ±1 while they conduct, else 0.
     pub duty: Real,
-    /// Whether a battery limit changed it.
+    /// What changed it.
     pub limited: Limited,
-    /// The battery could not even feed the auxiliary loads: they were cut off.
+    /// How far the battery's current is beyond its limits all the same \[A\], ≥ 0: while a winding's
+    /// current decays, where the back-EMF exceeds what a duty can hold, or with gates off.
+    pub limit_exceeded_a: Real,
+    /// Charge of this step that went into a full battery, or, negative, out of an empty one, and
+    /// is lost \[C\].
+    pub overcharged_c: Real,
+    /// Neither battery nor drive could feed the auxiliary loads: they were cut off.
     pub auxiliary_starved: bool,
     /// Whether and in which direction the vehicle moves.
     pub slip: Slip,
@@ -39,6 +49,8 @@ pub struct PowertrainOutput {
     pub speed_m_s: Real,
     /// Distance \[m\].
     pub distance_m: Real,
+    /// Sine of the slope under the vehicle, as an inclinometer tells it.
+    pub slope_sin: Real,
     /// State of charge, 0..1.
     pub soc: Real,
     /// Battery current \[A\], positive when discharging.
@@ -72,10 +84,12 @@ pub struct Feedback {
     pub battery_v: Real,
     /// State of charge, 0..1.
     pub soc: Real,
-    /// The duty applied.
+    /// The duty applied; counts only where it was `limited`.
     pub duty: Real,
-    /// A battery limit changed the duty.
+    /// A limit changed the duty.
     pub limited: bool,
+    /// Sine of the slope, for the start on a hill; 0, or not a number, where it is not known.
+    pub slope_sin: Real,
 }
 
 impl From<&PowertrainOutput> for Feedback {
@@ -88,6 +102,7 @@ impl From<&PowertrainOutput> for Feedback {
             soc: out.soc,
             duty: out.duty,
             limited: out.limited != Limited::No,
+            slope_sin: out.slope_sin,
         }
     }
 }
@@ -132,7 +147,8 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         let loads = &start.loads;
         let (mut converter, mut auxiliary) = (0.0, 0.0);
         if loads.any {
-            converter = start.converter_ohm * i * i + loads.converter_s * battery_v * battery_v;
+            converter = (start.converter_ohm * i + solution.drop_v) * i
+                + loads.converter_s * battery_v * battery_v;
             auxiliary = (loads.constant_a + loads.resistor_s * battery_v) * battery_v;
         }
         Flows {
@@ -169,6 +185,8 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             rejected: true,
             duty: 0.0,
             limited: Limited::No,
+            limit_exceeded_a: 0.0,
+            overcharged_c: 0.0,
             auxiliary_starved: false,
             slip: if v > 0.0 {
                 Slip::Forward
@@ -179,6 +197,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             },
             speed_m_s: v,
             distance_m: state.body.distance_m.get(),
+            slope_sin: 0.0,
             soc: B::soc(&state.battery),
             battery_a: 0.0,
             battery_v: state.battery_v,

@@ -216,6 +216,7 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
 /// | wheels 2.2 kg·m² | estimate: four of 9 kg near the rim |
 /// | gear efficiency 0.97 | estimate for one stage with differential |
 /// | converter 1.0 V, 1 mΩ | estimate: about 98 % at 20 kW; its constant loss is part of the base load measured at standstill |
+/// | converter 1000 A | estimate: 8 % above the current of the peak torque |
 /// | regeneration fades below 3 m/s and above 95 % | estimate |
 /// | friction brake 15 kN | estimate: more than the tyres hold |
 pub const BMW_I3_60AH: Vehicle<MappedBatteryParams> = Vehicle {
@@ -247,6 +248,7 @@ pub const BMW_I3_60AH_CONSTANT: Vehicle = Vehicle {
             constant_loss_w: 0.0,
             voltage_drop_v: 1.0,
             resistance_ohm: 1e-3,
+            current_limit_a: 1000.0,
         },
         motor: DcMotorParams {
             resistance_ohm: 5e-3,

@@ -191,6 +191,7 @@ pub fn converter(d: &mut Draw) -> ConverterParams {
         constant_loss_w: d.near_or(100.0, 0.0),
         voltage_drop_v: d.near_or(1.0, 0.0),
         resistance_ohm: d.near_or(1e-3, 0.0),
+        current_limit_a: Real::INFINITY,
     }
 }
 

@@ -25,15 +25,17 @@ const PLANT: Spread = within(1e3);
 #[test]
 fn powertrain_with_its_ledger() {
     let model = some(PLANT, |d| (draw::plant(d), d.dt(), d.ratio(), d.signed(10.0)));
-    let road = [signed(0.2), positive(1.0), signed(20.0), positive(5000.0)];
+    let road = [signed(0.2), signed(1e-3), signed(20.0), positive(5000.0)];
     let [sin, cos, wind, brake] = road;
     let inputs = inputs([signed(1.0), sin, cos, wind, brake, positive(2000.0)]);
     check(512, (model, inputs), |((params, dt, soc, speed), inputs)| {
         let model = Powertrain::with_ledger(params, dt).unwrap();
         let start = model.at_speed(soc, speed).unwrap();
         keeps(start, &inputs, |s, [duty, sin, cos, headwind_m_s, brake_n, auxiliary_w]| {
+            let cos = cos + Grade::from_sin(sin).cos;
             let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n };
-            let out = model.step(s, PowertrainInput { duty, road, auxiliary_w });
+            let out =
+                model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             ((out, model.energy(&start, s)), out.rejected)
         })
     });
@@ -51,7 +53,8 @@ fn drives(
     keeps(DriverState::default(), inputs, |s, fields| {
         let [reference_m_s, reference_m_s2, speed_m_s, motor_a, battery_v, soc, duty] = fields;
         let limited = battery_v.to_bits() & 1 == 1;
-        let vehicle = Feedback { speed_m_s, motor_a, battery_v, soc, duty, limited };
+        let vehicle =
+            Feedback { speed_m_s, motor_a, battery_v, soc, duty, limited, slope_sin: 0.0 };
         let out = model.step(s, DriverInput { reference_m_s, reference_m_s2, vehicle });
         let moved = out.rejected && out != DriverOutput { rejected: true, ..held };
         held = out;

@@ -82,7 +82,11 @@ macro_rules! residual_and_turnover {
                 brake_n: stretch.brake_n.into(),
             };
             let (duty, auxiliary_w) = (stretch.duty.into(), stretch.auxiliary_w.into());
-            let input = $core::powertrain::PowertrainInput { duty, road, auxiliary_w };
+            let input = $core::powertrain::PowertrainInput {
+                road,
+                auxiliary_w,
+                ..$core::powertrain::PowertrainInput::on(duty)
+            };
             for _ in 0..STRETCH_STEPS {
                 let mut next = s;
                 let out = plant.step(&mut next, input);
@@ -103,7 +107,7 @@ macro_rules! residual_and_turnover {
 }
 
 /// The same parameters for the twin.
-fn twin(params: &PowertrainParams) -> plant_core_f64::powertrain::PowertrainParams {
+pub fn twin(params: &PowertrainParams) -> plant_core_f64::powertrain::PowertrainParams {
     let text = serde_json::to_value(params).expect("finite numbers");
     serde_json::from_value(text).expect("the same fields")
 }

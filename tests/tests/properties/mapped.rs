@@ -38,8 +38,10 @@ fn stays_finite_in_the_plant() {
     check(256, (model, plants, inputs), |((battery, dt, soc), plant, inputs)| {
         let model = Powertrain::mapped(plant.with_battery(battery), dt).unwrap();
         keeps(model.at_rest(soc).unwrap(), &inputs, |s, [duty, sin, brake_n, auxiliary_w]| {
-            let road = Road { grade: Grade { sin, cos: 1.0 }, headwind_m_s: 0.0, brake_n };
-            let out = model.step(s, PowertrainInput { duty, road, auxiliary_w });
+            let grade = Grade { sin, ..Grade::from_sin(sin) };
+            let road = Road { grade, headwind_m_s: 0.0, brake_n };
+            let out =
+                model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             (out, out.rejected)
         })
     });
@@ -87,7 +89,7 @@ proptest! {
         for (duty, sin) in duties {
             let road = Road { grade: Grade::from_sin(sin), ..Road::default() };
             for _ in 0..500 {
-                let input = PowertrainInput { duty, road, auxiliary_w: 300.0 };
+                let input = PowertrainInput { road, auxiliary_w: 300.0, ..PowertrainInput::on(duty) };
                 prop_assert!(!plant.step(&mut s, input).rejected);
             }
         }

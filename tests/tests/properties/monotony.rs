@@ -63,7 +63,7 @@ proptest! {
         start.current_a = Accum::new(current);
         let at = |brake_n| {
             let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
-            plant.step(&mut start.clone(), PowertrainInput { duty, road, auxiliary_w: 0.0 })
+            plant.step(&mut start.clone(), PowertrainInput { road, auxiliary_w: 0.0, ..PowertrainInput::on(duty) })
         };
         let (less, more) = (at(one.min(other)), at(one.max(other)));
         prop_assert!(more.speed_m_s.abs() <= less.speed_m_s.abs(), "{less:?} {more:?}");
@@ -87,7 +87,7 @@ proptest! {
         start.current_a = Accum::new(current);
         let at = |duty| {
             let road = Road { grade: Grade::from_sin(sin), headwind_m_s: 0.0, brake_n };
-            plant.step(&mut start.clone(), PowertrainInput { duty, road, auxiliary_w: 0.0 })
+            plant.step(&mut start.clone(), PowertrainInput { road, auxiliary_w: 0.0, ..PowertrainInput::on(duty) })
         };
         let (low, high) = (at(one.min(other)), at(one.max(other)));
         let idle_v = at(0.0).battery_v;

@@ -1,6 +1,7 @@
 //! Without a source the stored energy never rises.
 
 use plant_core::auxiliary::AuxiliaryParams;
+use plant_core::battery::BatteryParams;
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
 use plant_core::machine::flux::Flux;
@@ -33,7 +34,9 @@ fn passive_plant(d: &mut Draw) -> PowertrainParams {
     let motor = if d.seldom() { draw::lossy_motor(d) } else { draw::motor(d) };
     let plant = draw::plant(d);
     let converter = ConverterParams { constant_loss_w: 0.0, ..plant.converter };
-    PowertrainParams { auxiliary: AuxiliaryParams::NONE, converter, motor, ..plant }
+    // A shorted winding passes through currents that would charge the battery if they were held.
+    let battery = BatteryParams { charge_limit_a: Real::INFINITY, ..plant.battery };
+    PowertrainParams { battery, auxiliary: AuxiliaryParams::NONE, converter, motor, ..plant }
 }
 
 proptest! {
@@ -55,7 +58,7 @@ proptest! {
         s.battery.rc.voltage_v = Accum::new(rc_v);
         let input = PowertrainInput {
             road: Road { brake_n, ..Road::default() },
-            ..PowertrainInput::default()
+            ..PowertrainInput::on(0.0)
         };
         let farad = f64::from(params.battery.polarisation.capacitance_f);
         let (mut last_j, mut last_c_j) = (f64::INFINITY, f64::INFINITY);

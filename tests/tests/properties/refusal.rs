@@ -119,8 +119,8 @@ fn battery() {
 fn open_circuit() {
     let make = |open_circuit| Battery::new(BatteryParams { open_circuit, ..PLANT.battery }, DT);
     refuses_variant!(make, OpenCircuit::Linear: {
-        empty_v: 300.0 => FINITE,
-        full_v: 400.0 => &[299.9, NAN, INF, -INF],
+        empty_v: 300.0 => NOT_NEGATIVE,
+        full_v: 400.0 => &[299.9, 0.0, NAN, INF, -INF],
     });
     let falling = SocTable::from_points("points", &[(0.0, 2.0), (1.0, 1.0)]).unwrap();
     assert_refused(make(OpenCircuit::Table(falling)), "table", &falling);
@@ -130,7 +130,7 @@ fn open_circuit() {
         assert_refused(SocTable::new("table", values), "table", bad);
         assert_refused(SocTable::from_points("table", &[(0.0, 1.0), (1.0, *bad)]), "table", bad);
     }
-    for bad in [0.0, -1.0, NAN, INF, -INF] {
+    for bad in [0.0, -1.0, 1.01, 50.0, NAN, INF, -INF] {
         assert_refused(SocTable::from_points("table", &[(0.0, 1.0), (bad, 1.0)]), "table", &bad);
     }
 }
@@ -147,6 +147,7 @@ fn auxiliary_and_converter() {
         constant_loss_w: NOT_NEGATIVE,
         voltage_drop_v: NOT_NEGATIVE,
         resistance_ohm: NOT_NEGATIVE,
+        current_limit_a: LIMIT,
     });
 }
 
@@ -223,7 +224,7 @@ fn body_and_slope() {
     });
     refuses_variant!(make, RoadResistance::CoastDown: {
         a_n: 100.0 => NOT_NEGATIVE,
-        b_n_s_per_m: 1.0 => NOT_NEGATIVE,
+        b_n_s_per_m: 1.0 => &[-12.7, NAN, INF, -INF],
         c_n_s2_per_m2: 0.4 => NOT_NEGATIVE,
     });
     refuses!(Slope::new, SlopeParams: SlopeParams { window_m: 10.0, largest_sin: 0.25 }, {

@@ -2,7 +2,7 @@
 //! changes.
 
 use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
-use plant_core::converter::{ConverterParams, DROP_FADE_A};
+use plant_core::converter::ConverterParams;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams};
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
@@ -45,11 +45,10 @@ fn bench(d: &mut Draw) -> PowertrainParams {
     plant
 }
 
-/// All that the current passes at full duty \[Ω\], the converter's drop as it is at no current.
+/// All that the current passes at full duty \[Ω\].
 fn series_ohm(plant: &PowertrainParams) -> Real {
     plant.motor.resistance_ohm
         + plant.converter.resistance_ohm
-        + plant.converter.voltage_drop_v / DROP_FADE_A
         + plant.battery.series_resistance_ohm
         + plant.battery.polarisation.resistance_ohm
 }
@@ -58,7 +57,7 @@ fn series_ohm(plant: &PowertrainParams) -> Real {
 fn settled(params: PowertrainParams, dt_s: f64, duty: Real) -> PowertrainOutput {
     let plant = Powertrain::new(params, Dt::from_s(dt_s as Real).unwrap()).unwrap();
     let mut s = plant.at_rest(0.5).unwrap();
-    let input = PowertrainInput { duty, ..PowertrainInput::default() };
+    let input = PowertrainInput::on(duty);
     let steps = (SETTLED_S / dt_s) as u32 + SETTLED_STEPS;
     for _ in 1..steps {
         plant.step(&mut s, input);

@@ -2,6 +2,7 @@
 //! backward.
 
 use plant_core::control::foc::{Foc, FocInput, FocState};
+use plant_core::converter::Gates;
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorState};
 use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
 use plant_core::machine::transform::Dq;
@@ -19,7 +20,7 @@ fn mirrored(input: PowertrainInput) -> PowertrainInput {
     let Road { grade, headwind_m_s, brake_n } = input.road;
     let grade = Grade { sin: -grade.sin, ..grade };
     let road = Road { grade, headwind_m_s: -headwind_m_s, brake_n };
-    PowertrainInput { duty: -input.duty, road, ..input }
+    PowertrainInput { gates: Gates::On(-input.gates.duty()), road, ..input }
 }
 
 fn opposite(slip: Slip) -> Slip {
@@ -51,7 +52,7 @@ proptest! {
         (s.current_a, m.current_a) = (Accum::new(current), Accum::new(-current));
         for (duty, sin, headwind_m_s, brake_n, auxiliary_w) in inputs {
             let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
-            let input = PowertrainInput { duty, road, auxiliary_w };
+            let input = PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) };
             let (out, mirror) = (plant.step(&mut s, input), plant.step(&mut m, mirrored(input)));
             let moves = [out.duty, out.speed_m_s, out.distance_m, out.motor_a, out.motor_nm];
             let mirror_moves =

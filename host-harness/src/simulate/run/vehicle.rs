@@ -192,7 +192,11 @@ impl<L: Book, S: Copy> Loop<L, S> {
             road.brake_n = command.brake_n;
             let out = plant.step(
                 &mut state,
-                PowertrainInput { duty: command.duty, road, auxiliary_w: stretch.auxiliary_w },
+                PowertrainInput {
+                    road,
+                    auxiliary_w: stretch.auxiliary_w,
+                    ..PowertrainInput::on(command.duty)
+                },
             );
             feedback = Feedback::from(&out);
             energy_w += out.battery_v * out.battery_a;

@@ -187,12 +187,47 @@ fn a_warm_battery_resists_less_only_after_a_refresh() {
     map.step(&mut s, load(0.0));
     assert!(map.offer(&s).0.resistance_ohm < 0.6 * cold);
     // A measured temperature counts at once; an absurd one not at all.
-    map.set_temperature(&mut s, 10.0);
+    assert!(map.set_temperature(&mut s, 10.0));
     assert_eq!(map.offer(&s).0.resistance_ohm, cold);
     let before = s;
     for bad in [Real::NAN, 300.0, -150.0] {
-        map.set_temperature(&mut s, bad);
+        assert!(!map.set_temperature(&mut s, bad));
         assert_eq!(s, before);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn surroundings_that_cannot_be_are_ignored() {
+    let thermal =
+        ThermalParams { heat_capacity_j_per_k: 100.0, cooling_w_per_k: 1.0, ..SAME.thermal };
+    let map = mapped(MappedBatteryParams { thermal, ..SAME }, 1.0);
+    for bad in [Real::NAN, Real::INFINITY, 293.15, -Real::INFINITY] {
+        let mut s = map.rested_at(0.5, 20.0).unwrap();
+        let mut told = s;
+        for n in 0..3000 {
+            s.ambient_c = if n < 1000 { 40.0 } else { bad };
+            told.ambient_c = 40.0;
+            assert!(!map.step(&mut s, load(5.0)).rejected);
+            map.step(&mut told, load(5.0));
+            assert_eq!(s.temperature_c, told.temperature_c, "{n} {bad}");
+        }
+        s.temperature_c = Accum::new(Real::NAN);
+        for _ in 0..1000 {
+            map.step(&mut s, load(5.0));
+        }
+        assert!((20.0..60.0).contains(&s.temperature_c.get()), "{:?}", s.temperature_c);
+    }
+}
+
+#[test]
+fn a_temperature_held_at_the_end_is_flagged() {
+    let map = mapped(MappedBatteryParams { identified: IdentifiedRange::ALL, ..SAME }, 1.0);
+    let mut s = map.rested_at(0.5, 199.0).unwrap();
+    assert!(!map.step(&mut s, load(0.0)).outside_identified);
+    for end in [200.0, -100.0] {
+        assert!(map.set_temperature(&mut s, end));
+        assert!(map.step(&mut s, load(0.0)).outside_identified, "{end}");
     }
 }
 
@@ -352,15 +387,16 @@ fn what_it_allows_are_its_limits() {
     let map = mapped(SAME, 1.0);
     let allows = |soc, current_a| {
         let s = map.rested(soc).unwrap();
-        map.allows(current_a, &map.next(&s, current_a))
+        map.allows(current_a, current_a, &map.next(&s, current_a))
     };
     // 10 800 C in all.
     for (soc, discharge_a, charge_a) in [(0.5, 10.0, 3.0), (5e-4, 5.4, 3.0), (0.9999, 10.0, 1.08)] {
         let limits = map.limits(&map.rested(soc).unwrap());
         assert!((limits.discharge_a / discharge_a - 1.0).abs() < 1e-3, "{limits:?}");
         assert!((limits.charge_a / charge_a - 1.0).abs() < 1e-3, "{limits:?}");
-        assert!(allows(soc, 0.99 * discharge_a) && !allows(soc, 1.01 * discharge_a));
-        assert!(allows(soc, -0.99 * charge_a) && !allows(soc, -1.01 * charge_a));
+        assert!(!allows(soc, 1.01 * discharge_a) && !allows(soc, -1.01 * charge_a));
+        let within = allows(soc, 0.99 * discharge_a) && allows(soc, -0.99 * charge_a);
+        assert!(soc != 0.5 || within);
     }
     assert!(allows(0.5, 10.0) && allows(0.5, -3.0), "the limits themselves");
     for (soc, current_a, end) in [(1e-4, 2.0, 0.0), (0.9999, -2.0, 1.0)] {

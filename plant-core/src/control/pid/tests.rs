@@ -136,21 +136,92 @@ fn what_would_cancel_is_refused() {
     let (p, mut s) = (pid(LIMITED), PidState::default());
     let absurd = PidInput { reference: 0.9e9, measurement: 0.9e9 };
     assert!(p.step(&mut s, absurd).rejected && s == PidState::default());
-    assert!(p.step_fed_back(&mut s, error(0.0), 1.1e9).rejected && s == PidState::default());
-    let mut wound_up = PidState { integral: Accum::new(-1.1e9), ..PidState::default() };
-    assert!(p.step(&mut wound_up, error(0.0)).rejected);
+    assert!(p.step_fed_back(&mut s, error(0.0), 1.1e9, false).rejected && s == PidState::default());
 }
 
 #[test]
 fn a_frozen_one_does_not_look_further_down_the_loop() {
-    for (anti_windup, held_back) in [(AntiWindup::Freeze, false), (AntiWindup::Directional, true)] {
-        let (p, mut s) = (pid(PidParams { anti_windup, ..LIMITED }), PidState::default());
-        p.step(&mut s, error(0.2));
-        p.feed_back(&mut s, 0.1);
-        assert_eq!(s.held_back(), held_back);
-        s.reset();
-        p.step_fed_back(&mut s, error(0.2), 0.1);
-        assert_eq!(s.held_back(), held_back);
+    for (anti_windup, runs) in [(AntiWindup::Freeze, true), (AntiWindup::Directional, false)] {
+        let p = pid(PidParams { anti_windup, ..LIMITED });
+        for way in 0..3 {
+            let mut s = PidState::default();
+            p.step(&mut s, error(0.2));
+            let before = s.integral();
+            match way {
+                0 => p.feed_back(&mut s, 0.1),
+                1 => p.saturate(&mut s, 1.0),
+                _ => _ = p.step_fed_back(&mut s, error(0.2), 0.1, true),
+            }
+            if way < 2 {
+                p.step(&mut s, error(0.2));
+            }
+            assert_eq!(s.integral() > before, runs, "{anti_windup:?} {way}");
+        }
+    }
+}
+
+/// A first-order process behind a timer with 100 or 1000 counts.
+#[test]
+fn a_rounded_output_is_no_saturation() {
+    let limits = PidParams { output_min: -1.0, output_max: 1.0, ..BASE };
+    for params in [limits, BASE] {
+        let p = pid(PidParams { proportional: 0.5, smoothing_per_s: Real::INFINITY, ..params });
+        for (counts, off) in [(100.0, 0.01), (1000.0, 0.001)] {
+            for round in [Real::floor, Real::round] {
+                let (mut s, mut y) = (PidState::default(), 0.0);
+                for _ in 0..5000 {
+                    let input = PidInput { reference: 0.5, measurement: y };
+                    let applied = round(p.step(&mut s, input).output * counts) / counts;
+                    p.feed_back(&mut s, applied);
+                    y += 0.01 * (applied - 0.2 - y);
+                }
+                assert!((y - 0.5).abs() <= off, "{counts}: {y}");
+            }
+        }
+    }
+    // In proportion to the limits.
+    let p = pid(PidParams { output_min: 0.0, output_max: 400.0, ..BASE });
+    for (applied, held_back) in [(197.0, false), (196.0, true), (203.0, false), (204.0, true)] {
+        let mut s = PidState { output: Accum::new(200.0), ..PidState::default() };
+        p.feed_back(&mut s, applied);
+        assert_eq!(s.excess != 0.0, held_back, "{applied}");
+    }
+}
+
+#[test]
+fn what_it_was_told_counts_for_one_step() {
+    let (p, mut s) = (pid(BASE), PidState::default());
+    p.step(&mut s, error(0.1));
+    p.feed_back(&mut s, 0.0);
+    run(&p, &mut s, 0.1, 501);
+    assert!((s.integral() - 0.501).abs() < 1e-4, "{}", s.integral());
+}
+
+#[test]
+fn an_integral_grown_absurd_still_shrinks() {
+    for anti_windup in [AntiWindup::Freeze, AntiWindup::Directional] {
+        for integral_per_s in [1e6, 1e12] {
+            let p = pid(PidParams { integral_per_s, anti_windup, ..PidParams::DEFAULT });
+            let mut s = PidState::default();
+            let out = run(&p, &mut s, 1e3, 300);
+            assert!(out.saturated && !out.rejected && out.output <= LARGEST);
+            let before = s.integral();
+            assert!(before.is_finite() && before >= 0.99 * LARGEST);
+            assert!(!p.step(&mut s, error(-1e3)).rejected && s.integral() < before);
+        }
+    }
+}
+
+#[test]
+fn neither_preload_nor_dead_zone_leaves_the_limits() {
+    let (p, mut s) = (pid(LIMITED), PidState::default());
+    p.preload(&mut s, 5.0, error(0.1));
+    assert!((p.step(&mut s, error(0.1)).output - 1.0).abs() < 1e-5);
+    assert!(run(&p, &mut s, -0.1, 2).output < 0.9, "not latched");
+    let at_once = PidParams { smoothing_per_s: Real::INFINITY, dead_zone: 0.05, ..BASE };
+    for (output_min, output_max, silent) in [(0.2, 1.0, 0.2), (-1.0, -0.3, -0.3)] {
+        let p = pid(PidParams { output_min, output_max, ..at_once });
+        assert_eq!(run(&p, &mut PidState::default(), 0.001, 1).output, silent);
     }
 }
 
@@ -206,13 +277,14 @@ impl Rules {
         let raw = k * error + self.integral + d / self.h * self.difference;
         let dead = raw.abs() < f64::from(p.dead_zone);
         let directional = p.anti_windup == AntiWindup::Directional;
-        let up = raw >= high || directional && self.excess > 0.0;
-        let down = raw <= low || directional && self.excess < 0.0;
+        let excess = std::mem::take(&mut self.excess);
+        let up = raw >= high || directional && excess > 0.0;
+        let down = raw <= low || directional && excess < 0.0;
         let held = if directional { up && error > 0.0 || down && error < 0.0 } else { up || down };
         if !dead && !held {
             self.integral += i * self.h * error;
         }
-        let target = if dead { 0.0 } else { raw.clamp(low, high) };
+        let target = if dead { 0.0_f64 } else { raw }.clamp(low, high);
         let rate = self.h * f64::from(p.smoothing_per_s);
         self.output +=
             if rate.is_finite() { rate / (1.0 + rate) } else { 1.0 } * (target - self.output);
@@ -262,23 +334,27 @@ fn every_step_follows_the_rules() {
                     rules.last = Some(if of_error { error } else { -f64::from(measurement) });
                 }
                 let applied = s.output() + if n % 3 == 0 { 0.4 * number() } else { 0.0 };
+                let limited = n % 4 < 2;
                 let direction = number().signum() * Real::from(n % 5 == 0);
                 let before = s.output();
                 let out = match n / 100 % 4 {
                     0 => pid.step(&mut s, PidInput { reference, measurement }),
                     1 => {
                         pid.feed_back(&mut s, applied);
-                        rules.excess = f64::from(before - applied);
+                        let excess = before - applied;
+                        let told = excess.abs() > pid.feedback_tolerance;
+                        rules.excess = if told { f64::from(excess) } else { 0.0 };
                         pid.step(&mut s, PidInput { reference, measurement })
                     }
                     2 => {
-                        Pid::saturate(&mut s, direction);
+                        pid.saturate(&mut s, direction);
                         rules.excess = f64::from(direction);
                         pid.step(&mut s, PidInput { reference, measurement })
                     }
                     _ => {
-                        rules.excess = f64::from(before - applied);
-                        pid.step_fed_back(&mut s, PidInput { reference, measurement }, applied)
+                        rules.excess = if limited { f64::from(before - applied) } else { 0.0 };
+                        let input = PidInput { reference, measurement };
+                        pid.step_fed_back(&mut s, input, applied, limited)
                     }
                 };
                 let (output, raw, saturated) =
@@ -295,9 +371,7 @@ fn every_step_follows_the_rules() {
                     rules.integral
                 );
                 assert!(out.saturated == saturated && !out.rejected);
-                if anti_windup == AntiWindup::Directional {
-                    assert_eq!(s.held_back(), rules.excess != 0.0, "{n}");
-                }
+                assert_eq!(s.excess, 0.0, "{n}");
             }
         }
     }

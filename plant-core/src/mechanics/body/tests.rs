@@ -103,6 +103,10 @@ fn bad_input_changes_nothing() {
             Road { brake_n: bad, ..Road::default() },
             Road { grade: Grade { sin: bad, cos: 1.0 }, ..Road::default() },
             Road { grade: Grade { sin: 0.0, cos: bad }, ..Road::default() },
+            Road { grade: Grade { sin: 5.0, cos: 1.0 }, ..Road::default() },
+            Road { grade: Grade { sin: 0.3, cos: 0.0 }, ..Road::default() },
+            Road { grade: Grade { sin: 0.0, cos: -1.0 }, ..Road::default() },
+            Road { grade: Grade::from_ratio(5.0), ..Road::default() },
         ];
         for road in roads {
             assert!(b.step(&mut s, BodyInput { force_n: 0.0, road }).rejected);
@@ -142,6 +146,25 @@ fn refuses_each_bad_field_by_name() {
         let error = refused(BodyParams { resistance, ..CAR });
         assert_eq!(error.field().strip_prefix("body.resistance."), Some(field));
     }
+}
+
+/// As fits of coast-down tests find it.
+#[test]
+fn the_linear_part_may_be_negative_where_the_force_is_not() {
+    let at = |b_n_s_per_m, dt_s| {
+        let resistance =
+            RoadResistance::CoastDown { a_n: 171.3, b_n_s_per_m, c_n_s2_per_m2: 0.3583 };
+        Body::new(BodyParams { resistance, ..CAR }, Dt::from_s(dt_s).unwrap())
+    };
+    let b = at(-0.807, 0.01).unwrap();
+    let mut s = BodyState { speed_m_s: Accum::new(30.0), ..BodyState::default() };
+    let force_n = -b.step(&mut s, BodyInput::default()).acceleration_m_s2 * 1500.0;
+    assert!((force_n - (171.3 - 0.807 * 30.0 + 0.3583 * 900.0)).abs() < 0.5, "{force_n}");
+    let refused = Err(ParamError::OutOfRange("body.resistance.b_n_s_per_m"));
+    for (b_n_s_per_m, dt_s) in [(-15.7, 0.01), (-0.807, 1000.0), (Real::NAN, 0.01), (1e13, 0.01)] {
+        assert_eq!(at(b_n_s_per_m, dt_s), refused);
+    }
+    assert!(at(-15.6, 0.01).is_ok() && at(-0.807, 900.0).is_ok());
 }
 
 #[test]

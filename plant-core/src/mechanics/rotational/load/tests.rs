@@ -93,7 +93,7 @@ impl Bench {
         Self {
             load: load(LOAD, dt_s),
             motor: DcMotor::new(MOTOR, dt(dt_s)).unwrap(),
-            source: Converter::seen_through(Source::stiff(48.0), duty, 0.0),
+            source: Converter::seen_through(Source::stiff(48.0), duty),
         }
     }
 
