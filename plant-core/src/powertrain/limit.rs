@@ -4,7 +4,7 @@
 //! voltage `e + r·x + l·(x − i)`. The limits bound the power on the bus, that is a quadratic in x;
 //! the nearest x that keeps them gives the voltage, the bus and the duty. It is ours.
 //!
-//! Tests: `tests` below; `tests/limits` of the powertrain; property `limits`.
+//! Tests: `tests` below, and those of the powertrain over many steps; property `limits`.
 
 use super::solve::{Solution, Start};
 use super::{Limited, Powertrain, PowertrainState};
