@@ -12,9 +12,11 @@ use crate::ledger::twin;
 
 /// Steps under one command: long enough to see a duty that flips from step to step.
 const STEPS: u32 = 300;
-/// How closely a limit is held, in shares of it, and in shares of what the winding carries.
+/// How closely a limit is held, in shares of it, of what the winding carries, and of the power that
+/// its field would give up within one step.
 const HELD_REL: f64 = 1e-3;
 const WINDING_REL: f64 = 1e-5;
+const FIELD_REL: f64 = 2e-7;
 /// From this share of the largest duty on a change of direction counts as a flip.
 const FLIP: f64 = 2e-3;
 /// Flips for which there is a reason: a standstill, a limit that ends, a battery that becomes full.
@@ -92,12 +94,15 @@ macro_rules! keeps_limits {
             prop_assert!(!out.rejected, "{out:?}");
             let (battery_a, motor_a) = (f64::from(out.battery_a), f64::from(out.motor_a));
             let carried_a = f64::from(before.current_a.get());
-            // Near the greatest power that the battery gives, a current follows badly from a power.
-            let (battery_v, open_v) = (f64::from(out.battery_v), f64::from(out.open_circuit_v));
-            let per_power = battery_v / (2.0 * battery_v - open_v).abs().max(1e-3 * battery_v);
+            // In single precision the power of the winding's field is known to some of its last
+            // bits; near the battery's greatest power a current follows badly from a power.
+            let most_a = motor_a.abs().max(carried_a.abs());
+            let field_w = f64::from($params.motor.inductance_h / of(c.dt_s)) * most_a * most_a;
+            let per_a_v = f64::from(2.0 * out.battery_v - out.open_circuit_v).abs().max(0.1);
             let rounding_a = 2e-3
                 + HELD_REL * battery_a.abs()
-                + WINDING_REL * motor_a.abs().max(carried_a.abs()) * per_power.max(1.0);
+                + WINDING_REL * most_a
+                + FIELD_REL * field_w / per_a_v;
             let over_a = (battery_a - f64::from(limits.discharge_a))
                 .max(-battery_a - f64::from(limits.charge_a));
             let reported_a = f64::from(out.limit_exceeded_a);
