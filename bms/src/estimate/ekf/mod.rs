@@ -19,7 +19,14 @@
 //! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of
 //!   more than three standard deviations says that the battery has left the flat part, and where to.
 //! - **Drift**: offset of the current sensor and error of the capacity, as a random walk that
-//!   reaches their effect after an hour.
+//!   reaches their effect after an hour; where the voltage does not hold it, as the offset that it
+//!   is, which adds up.
+//! - **A slope that changes tells nothing**: it is held for a while, and what was learnt with one
+//!   slope is carried over to the next.
+//! - **Before the start** a third of the capacity in an hour may have flowed: the polarisation that
+//!   this leaves is part of the model's error until the branches have forgotten it.
+//! - **A current that is missing** goes on as it was for some seconds; its error is the same within
+//!   a gap, another one in the next.
 //!
 //! The polarisation is that of the model under the measured current: the branches forget, so what
 //! is wrong in them is part of the model's error. The covariance is kept as `U·D·Uᵀ` (Bierman 1977,
@@ -30,10 +37,15 @@
 //! curve; [`Ekf::refresh`], about once a second, brings that tangent, the resistances and the
 //! variances that only grow slowly up to date.
 
+mod drift;
+mod gap;
 mod params;
+mod slope;
 mod slow;
+mod start;
 #[cfg(test)]
 mod tests;
+mod trust;
 
 pub use params::{EkfParams, Uncertainty};
 
@@ -127,6 +139,10 @@ pub struct EkfState {
     load_sum_a: Real,
     /// Measured less expected voltage, summed likewise \[V\].
     residual_sum_v: Real,
+    /// The last measured current \[A\].
+    last_a: Real,
+    /// What the voltage has added to the state of charge since the last refresh.
+    corrected: Real,
     steps_left: u32,
     slow: slow::Slow,
 }
@@ -219,7 +235,9 @@ impl Correction {
     #[inline(always)]
     fn apply(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
         state.residual_sum_v += residual_v;
-        state.rise += self.soc_per_v * residual_v;
+        let correction = self.soc_per_v * residual_v;
+        state.rise += correction;
+        state.corrected += correction;
         state.error_v += self.error_gain * residual_v;
         self.shrink(state, noise_v2);
         EkfOutput { residual_v, rejected: false }
@@ -284,6 +302,7 @@ impl Ekf {
             return self.miss(state, current_a);
         }
         state.load_sum_a += magnitude_a;
+        state.last_a = current_a;
         let current_a = current_a - state.current_offset_a;
         state.rise -= current_a * self.soc_per_a;
         let [fast_v, slow_v] = self.polarise(state, current_a);
@@ -340,18 +359,23 @@ impl Ekf {
                 break;
             }
             let slope = (self.open_circuit(soc + way).0 - open_circuit_v) / way;
-            correction = Correction::new(state, slope, noise_v2);
+            let mut there = *state;
+            self.change_slope(&mut there, slope, true);
+            correction = Correction::new(&there, slope, noise_v2);
         }
         state.residual_sum_v += residual_v;
         if residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER {
             self.distrust(state);
         } else if correction.soc_per_v >= 0.0 {
             state.rise += correction.soc_per_v * residual_v;
+            state.corrected += correction.soc_per_v * residual_v;
             state.error_v += correction.error_gain * residual_v;
             self.follow_curve(state);
             // What is learnt is less than the mean slope says where the curve is flatter nearby.
             let slope_v = min(state.slope_v, correction.slope_v);
+            self.change_slope(state, slope_v, true);
             Correction::new(state, slope_v, noise_v2).shrink(state, noise_v2);
+            state.slow.slope.release();
         }
         EkfOutput { residual_v, rejected: false }
     }
@@ -377,7 +401,9 @@ impl Ekf {
         let sd = self.params.converged_sd;
         EkfStatus {
             converged: state.variance() < sd * sd,
-            consistent: state.error_v.abs() <= most_v && state.slow.residual_v.abs() <= most_v,
+            consistent: state.error_v.abs() <= most_v
+                && state.slow.residual_v.abs() <= most_v
+                && state.slow.trust.is_earned(),
             flat: self.is_flat(state),
             outside_identified: !self.params.battery.identified.holds(soc, temperature_c),
             temperature_missing: state.slow.temperature_missing,
