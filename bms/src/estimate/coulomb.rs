@@ -2,7 +2,7 @@
 
 use plant_core::battery::OpenCircuit;
 use plant_core::error::{efficiency, not_negative, positive};
-use plant_core::num::{LARGEST_PARAM, clamp, max, min, sane, sqrt};
+use plant_core::num::{clamp, max, min, sane, sqrt};
 use plant_core::{Accum, Dt, Model, ParamError, Real, check};
 
 use crate::estimate::curve::rising;
@@ -60,7 +60,8 @@ const fn lossless() -> Real {
 /// The errors of a count are not noise: an offset stays the same offset. So each grows in
 /// proportion to its cause, and they join as independent of each other. With `t` the time and `q`
 /// the charge since the count was last put right, as state of charge:
-/// `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`,
+/// `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`, the last one
+/// within a second by the square root of the share of five seconds, and independent of the others,
 /// and never more than that of a state of charge that may be anything.
 ///
 /// ```
@@ -135,7 +136,12 @@ pub struct CoulombState {
     taken_soc: Accum,
     moved_soc: Accum,
     unseen_soc: Accum,
+    /// Variance of what flowed in single missing samples.
+    bridged_variance: Real,
     rested_s: Accum,
+    /// What of that was missed \[s\]; before the last review, all was.
+    rest_missed_s: Real,
+    saw_nothing: bool,
 }
 
 /// What one step of a [`CoulombCounter`] counts.
@@ -181,7 +187,10 @@ impl CoulombState {
             taken_soc: Accum::new(0.0),
             moved_soc: Accum::new(0.0),
             unseen_soc: Accum::new(0.0),
+            bridged_variance: 0.0,
             rested_s: Accum::new(0.0),
+            rest_missed_s: 0.0,
+            saw_nothing: false,
         }
     }
 
@@ -300,7 +309,7 @@ impl CoulombCounter {
         let current_missing = state.missed_steps > 0;
         let resting = self.book(state);
         if !resting {
-            state.rested_s = Accum::new(0.0);
+            (state.rested_s, state.rest_missed_s) = (Accum::new(0.0), 0.0);
         }
         let (mut anchored, mut voltage_implausible) = (false, false);
         if resting && state.rested_s.get() >= self.rest_s && sane(voltage_v) {
@@ -325,30 +334,6 @@ impl CoulombCounter {
         }
     }
 
-    /// Books what was counted; whether the battery rested.
-    fn book(&self, state: &mut CoulombState) -> bool {
-        let (steps, missed_steps) = (real(state.steps), real(state.missed_steps));
-        let elapsed_s = min(steps * self.dt_s, LARGEST_PARAM);
-        let taken_soc = self.taken_soc(state);
-        state.soc.add(-taken_soc);
-        // The truth lies within 0..1, so this only brings the count nearer to it.
-        if !(0.0..=1.0).contains(&state.soc.get()) {
-            state.soc = Accum::new(clamp(state.soc.get(), 0.0, 1.0));
-        }
-        state.taken_soc.add(taken_soc);
-        state.moved_soc.add(taken_soc.abs());
-        state.unseen_soc.add(min(missed_steps * (self.largest_current_a * self.soc_per_a), 1.0));
-        state.counted_s.add(elapsed_s);
-        state.rested_s.add(elapsed_s);
-        // The mean, and one sample of it: a ripple without a mean would bend the voltage too.
-        let resting = state.missed_steps == 0
-            && state.net_a().abs() <= self.rest_current_a * steps
-            && state.last_a.abs() <= self.rest_current_a;
-        (state.earlier_a, state.last_a) = (0.0, 0.0);
-        (state.steps, state.missed_steps) = (0, 0);
-        resting
-    }
-
     /// The standard deviation of the state of charge, as of the last review.
     #[must_use]
     pub fn soc_sd(&self, state: &CoulombState) -> Real {
@@ -359,6 +344,7 @@ impl CoulombCounter {
             self.gain_sd * state.moved_soc.get(),
             self.capacity_sd * state.taken_soc.get(),
             state.unseen_soc.get(),
+            sqrt(state.bridged_variance),
         ] {
             variance += sd * sd;
         }
@@ -405,5 +391,6 @@ impl Model for CoulombCounter {
     }
 }
 
+mod book;
 #[cfg(test)]
 mod tests;

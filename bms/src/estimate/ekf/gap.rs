@@ -18,17 +18,17 @@ pub(super) struct Gap {
     /// How long it has lasted \[s\], and what it leaves open of the state of charge.
     seconds: Real,
     sd: Real,
-    /// The sum of the residuals during it \[V\]: another one ends it. Not a number: none goes on.
+    /// The sum of the residuals during it \[V\]: another one ends it. Infinite: none goes on.
     residual_sum_v: Real,
 }
 
 impl Gap {
-    pub(super) const NONE: Self = Self { seconds: 0.0, sd: 0.0, residual_sum_v: Real::NAN };
+    pub(super) const NONE: Self = Self { seconds: 0.0, sd: 0.0, residual_sum_v: Real::INFINITY };
 
     /// The residuals are summed anew.
     pub(super) fn refresh(&mut self, residual_sum_v: Real) {
         let going_on = self.residual_sum_v == residual_sum_v;
-        self.residual_sum_v = if going_on { 0.0 } else { Real::NAN };
+        self.residual_sum_v = if going_on { 0.0 } else { Real::INFINITY };
     }
 }
 

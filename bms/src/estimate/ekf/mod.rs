@@ -40,6 +40,7 @@
 mod drift;
 mod gap;
 mod params;
+mod pause;
 mod slope;
 mod slow;
 mod start;
@@ -48,6 +49,7 @@ mod tests;
 mod trust;
 
 pub use params::{EkfParams, Uncertainty};
+pub use pause::{EkfMemory, Polarisation};
 
 use plant_core::battery::MappedBattery;
 use plant_core::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sqrt};

@@ -13,7 +13,7 @@ use super::{CONSISTENT, Ekf, EkfInput, EkfState};
 /// The standard deviation of a state of charge of which nothing is known: uniform in 0..1.
 pub(super) const UNKNOWN_SD: Real = 0.288_675_13;
 /// The mean magnitude of the current follows over this time \[s\].
-const LOAD_MEMORY_S: Real = 300.0;
+pub(super) const LOAD_MEMORY_S: Real = 300.0;
 /// The model's faster errors are correlated over this time \[s\].
 const DYNAMICS_S: Real = 10.0;
 /// The offset of the current sensor is learnt over this time with open contactors \[s\] …

@@ -138,6 +138,53 @@ fn a_reset_while_polarised_is_within_what_is_claimed() {
     }
 }
 
+/// Driven, put to sleep for some time, woken from what was remembered: as if it had run on.
+#[test]
+fn what_is_remembered_is_aged_by_the_time_off() {
+    let mut cell = CELL.rested(0.9).unwrap();
+    let mut state = EKF.start(0.9, 0.01, 25.0).unwrap();
+    for second in 0..1500 {
+        EKF.step(&mut state, sample(&mut cell, 2.0 + load_a(second)));
+    }
+    let memory = EKF.remember(&state);
+    for minutes in [1_u16, 30, 600] {
+        let (mut cell, mut awake) = (cell, state);
+        for _ in 0..60 * minutes {
+            EKF.step(&mut awake, sample(&mut cell, 0.0));
+        }
+        let seconds = 60.0 * Real::from(minutes);
+        let mut woken = EKF.resume(memory, Some(seconds), 25.0).unwrap();
+        for (told, known) in woken.polarisation_v.iter().zip(awake.polarisation_v) {
+            assert!((told - known).abs() < 1e-3, "{minutes}: {woken:?}");
+        }
+        assert!(woken.soc() == memory.soc && woken.variance() >= memory.soc_sd * memory.soc_sd);
+        for _ in 0..600 {
+            EKF.step(&mut woken, sample(&mut cell, 0.0));
+            let Estimate { soc, soc_sd, .. } = EKF.estimate(&woken);
+            assert!((soc - cell.soc.get()).abs() <= 2.0 * soc_sd, "{minutes}: {soc} ± {soc_sd}");
+        }
+        let rested = EKF.resume(memory, Some(seconds), 25.0).unwrap();
+        let unknown = EKF.resume(memory, None, 25.0).unwrap();
+        assert!(unknown.variance() > rested.variance());
+    }
+    // A month of stand-by is a quarter of the capacity, one standard deviation.
+    let month = EKF.resume(memory, Some(30.0 * 86_400.0), 25.0).unwrap();
+    assert!((0.2..0.3).contains(&EKF.estimate(&month).soc_sd));
+    for bad in [Real::NAN, -1.0, Real::INFINITY] {
+        let mut other = state;
+        EKF.pause(&mut other, Some(bad));
+        let mut none = state;
+        EKF.pause(&mut none, None);
+        assert_eq!(other, none, "no time is an unknown one");
+        let wrong = EkfMemory { soc: bad, ..memory };
+        assert_eq!(EKF.resume(wrong, None, 25.0).unwrap_err().field(), "soc");
+        let polarisation = Some(Polarisation { load_a: bad, ..Polarisation::NONE });
+        let wrong = EkfMemory { polarisation, ..memory };
+        let refused = EKF.resume(wrong, None, 25.0).unwrap_err();
+        assert_eq!(refused.field(), "polarisation.load_a");
+    }
+}
+
 /// One sample of five is missing. The truth is known all along: so it is afterwards.
 #[test]
 fn isolated_dropouts_are_bridged() {
@@ -305,6 +352,7 @@ fn refuses_each_bad_field_by_name() {
             bad(&|p| p.uncertainty.current_offset_sd_a = value),
             "ekf.uncertainty.current_offset_sd_a"
         );
+        assert_eq!(bad(&|p| p.uncertainty.standby_sd_a = value), "ekf.uncertainty.standby_sd_a");
         assert_eq!(bad(&|p| p.uncertainty.voltage_sd_v = value), "ekf.uncertainty.voltage_sd_v");
         assert_eq!(
             bad(&|p| p.uncertainty.polarisation_sd_v = value),
