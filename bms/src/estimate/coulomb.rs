@@ -99,6 +99,7 @@ const fn lossless() -> Real {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombCounter {
+    capacity_ah: Real,
     largest_current_a: Real,
     /// SOC per A over one step.
     soc_per_a: Real,
@@ -127,6 +128,10 @@ pub struct CoulombState {
     last_a: Real,
     steps: u32,
     missed_steps: u32,
+    /// The capacity of the parameters over that of now, and what is not known of it, as a ratio,
+    /// where something was learnt.
+    per_capacity: Real,
+    capacity_sd: Option<Real>,
     /// State of charge at the last review.
     soc: Accum,
     /// Since the count was put right: its standard deviation then, the time, and as SOC the charge
@@ -181,6 +186,8 @@ impl CoulombState {
             last_a: 0.0,
             steps: 0,
             missed_steps: 0,
+            per_capacity: 1.0,
+            capacity_sd: None,
             soc: Accum::new(soc),
             anchor_sd: soc_sd,
             counted_s: Accum::new(0.0),
@@ -245,6 +252,7 @@ impl CoulombCounter {
             check!(positive("coulomb.rest_voltage_sd_v", params.rest_voltage_sd_v));
         let capacity_c = 3600.0 * capacity_ah;
         Ok(Self {
+            capacity_ah,
             largest_current_a: check!(positive(
                 "coulomb.largest_current_a",
                 params.largest_current_a
@@ -296,7 +304,8 @@ impl CoulombCounter {
     #[inline]
     fn taken_soc(&self, state: &CoulombState) -> Real {
         let net_a = state.net_a();
-        clamp((net_a + self.charge_loss * max(-net_a, 0.0)) * self.soc_per_a, -1.0, 1.0)
+        let soc_per_a = self.soc_per_a * state.per_capacity;
+        clamp((net_a + self.charge_loss * max(-net_a, 0.0)) * soc_per_a, -1.0, 1.0)
     }
 
     /// Takes stock: books what was counted since the last review, and puts the count right where
@@ -319,7 +328,11 @@ impl CoulombCounter {
                     let apart = (rest_soc - state.soc.get()).abs();
                     anchored = rest_sd < soc_sd || apart > SPAN_SD * (rest_sd + soc_sd);
                     if anchored {
-                        *state = CoulombState::known(rest_soc, rest_sd);
+                        *state = CoulombState {
+                            per_capacity: state.per_capacity,
+                            capacity_sd: state.capacity_sd,
+                            ..CoulombState::known(rest_soc, rest_sd)
+                        };
                     }
                 }
                 None => voltage_implausible = true,
@@ -342,7 +355,7 @@ impl CoulombCounter {
             state.anchor_sd,
             self.offset_sd_per_s * state.counted_s.get(),
             self.gain_sd * state.moved_soc.get(),
-            self.capacity_sd * state.taken_soc.get(),
+            state.capacity_sd.unwrap_or(self.capacity_sd) * state.taken_soc.get(),
             state.unseen_soc.get(),
             sqrt(state.bridged_variance),
         ] {

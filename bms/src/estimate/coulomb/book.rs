@@ -1,7 +1,9 @@
 //! What a [`CoulombCounter`] makes of the samples since its last review, and of a time without any.
 
-use plant_core::num::{LARGEST_PARAM, clamp, max, min};
+use plant_core::num::{LARGEST_PARAM, clamp, max, min, sane};
 use plant_core::{Accum, Real};
+
+use crate::Health;
 
 use super::{CoulombCounter, CoulombState, real};
 
@@ -15,6 +17,16 @@ const REST_MISSED: Real = 0.02;
 const UNKNOWN_S: Real = 2.6e6;
 
 impl CoulombCounter {
+    /// Takes over a capacity that was learnt, where it is known better than was declared. What is not
+    /// finite or not above zero is not taken.
+    pub fn adopt(&self, state: &mut CoulombState, health: &Health) {
+        let (capacity_ah, sd) = (health.capacity_ah, health.capacity_sd_ah / health.capacity_ah);
+        if sane(capacity_ah) && capacity_ah > 0.0 && (0.0..=self.capacity_sd).contains(&sd) {
+            state.per_capacity = self.capacity_ah / capacity_ah;
+            state.capacity_sd = Some(sd);
+        }
+    }
+
     /// Says that the battery stood for `elapsed_s` \[s\] without a current while nothing was
     /// counted; the standard deviation of what flows all the same is `standby_sd_a` \[A\]. It is a
     /// rest. `None`, or what is no time, is an unknown one, and no rest.

@@ -1,6 +1,7 @@
 use plant_core::num::SocTable;
 
 use super::*;
+use crate::Health;
 
 const LINE: OpenCircuit = OpenCircuit::Linear { empty_v: 3.0, full_v: 4.0 };
 const PARAMS: CoulombParams = CoulombParams {
@@ -179,6 +180,27 @@ fn single_missing_samples_are_bridged_and_end_no_rest() {
     let out = drop(&mut s, 5, 5.0, 3600);
     assert!((out.soc - 0.4).abs() < 1e-4 && out.soc_sd < 0.03, "{out:?}");
     assert!(drop(&mut s, 5, 0.05, 700).soc_sd >= out.soc_sd, "too many for a rest");
+}
+
+#[test]
+fn takes_over_a_capacity_that_was_learnt() {
+    let c = counter(PARAMS, 0.1);
+    let mut s = CoulombState::known(0.9, 0.0);
+    let health = Health {
+        capacity_ah: 8.0,
+        capacity_sd_ah: 0.08,
+        resistance_factor: 1.0,
+        resistance_factor_sd: 0.0,
+    };
+    c.adopt(&mut s, &Health { capacity_sd_ah: 1.0, ..health });
+    c.adopt(&mut s, &Health { capacity_ah: Real::NAN, ..health });
+    assert_eq!(s, CoulombState::known(0.9, 0.0));
+    c.adopt(&mut s, &health);
+    let out = run(&c, &mut s, 4.0, Real::NAN, 3600);
+    assert!((out.soc - 0.4).abs() < 1e-4 && out.soc_sd < 0.01, "{out:?}");
+    run(&c, &mut s, 0.0, 3.7, 700);
+    let again = run(&c, &mut s, 4.0, Real::NAN, 1800);
+    assert!((again.soc - 0.45).abs() < 1e-3, "a rest changes nothing of it: {again:?}");
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl Ekf {
     /// What the drift of `drift_a` adds in the time between two refreshes: as a random walk, or,
     /// where the voltage has not held it, as the offset that it is, which adds up.
     pub(super) fn add_drift(&self, state: &mut EkfState, drift_a: Real) {
-        let step = drift_a * self.soc_per_a * self.steps();
+        let step = drift_a * state.soc_per_a * self.steps();
         let times = HORIZON_S / (self.dt_s * self.steps());
         let drift = &mut state.slow.drift;
         let more = max(step * step * times, step * (2.0 * drift.of_soc + step));

@@ -42,7 +42,7 @@ impl Ekf {
         state.load_sum_a += current_a.abs();
         let current_a = current_a - state.current_offset_a;
         self.polarise(state, current_a);
-        state.rise -= current_a * self.soc_per_a;
+        state.rise -= current_a * state.soc_per_a;
         EkfOutput { residual_v: 0.0, rejected: true }
     }
 
@@ -56,7 +56,7 @@ impl Ekf {
         gap.seconds += self.dt_s;
         let gone = min(gap.seconds / BRIDGED_S, 1.0);
         let unseen_a = min(self.params.unseen_current_a, self.largest_a) * sqrt(gone);
-        let sd = unseen_a * self.soc_per_a;
+        let sd = unseen_a * state.soc_per_a;
         let more = sd * (2.0 * gap.sd + sd);
         gap.sd = min(gap.sd + sd, UNKNOWN_SD);
         let [fast_ohm, slow_ohm] = state.branch_ohm;

@@ -125,6 +125,8 @@ pub struct EkfState {
     pub error_variance_v2: Real,
     /// What the current sensor shows when no current flows \[A\].
     pub current_offset_a: Real,
+    /// What an ampere takes in a step.
+    soc_per_a: Real,
     series_ohm: Real,
     /// The resistances of the branches times the gains of a step \[Ω\].
     branch_ohm: [Real; 2],
@@ -306,7 +308,7 @@ impl Ekf {
         state.load_sum_a += magnitude_a;
         state.last_a = current_a;
         let current_a = current_a - state.current_offset_a;
-        state.rise -= current_a * self.soc_per_a;
+        state.rise -= current_a * state.soc_per_a;
         let [fast_v, slow_v] = self.polarise(state, current_a);
         let drop_v = state.series_ohm * current_a + fast_v + slow_v;
         let open_circuit_v = state.open_circuit_v + state.tangent_v * state.rise;

@@ -1,14 +1,18 @@
 //! What an [`Ekf`] remembers over a time in which it does not run.
 
 use plant_core::error::{finite, not_negative};
-use plant_core::num::{LARGEST_PARAM, Real, clamp, exp, max, min};
+use plant_core::num::{LARGEST_PARAM, Real, clamp, exp, max, min, sane};
 use plant_core::{ParamError, check};
+
+use crate::Health;
 
 use super::slow::LOAD_MEMORY_S;
 use super::{Ekf, EkfState};
 
 /// A time that nobody knows counts as this long for what may have flowed: a month \[s\].
 const UNKNOWN_S: Real = 2.6e6;
+/// What was learnt of the health leaves at least this share of what was declared open.
+const LEARNT: Real = 0.5;
 
 /// What is worth keeping of an [`EkfState`] where the power goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +100,29 @@ impl Ekf {
         }
         self.pause(&mut state, elapsed_s);
         Ok(state)
+    }
+
+    /// Takes over what was learnt of the battery's health: capacity and resistance, each where it is
+    /// known better than was declared, and never as surer than half of that: the shape of the map
+    /// stays what it is. What is not finite or not above zero is not taken.
+    pub fn adopt(&self, state: &mut EkfState, health: &Health) {
+        let known = &self.params.uncertainty;
+        let (factor, factor_sd) = (health.resistance_factor, health.resistance_factor_sd);
+        if sane(factor) && factor > 0.0 && factor_sd >= 0.0 {
+            let sd = factor_sd / factor;
+            if sd <= known.resistance_sd {
+                state.slow.resistance_factor = factor;
+                state.slow.resistance_sd = max(sd, LEARNT * known.resistance_sd);
+            }
+        }
+        let (capacity_ah, capacity_sd_ah) = (health.capacity_ah, health.capacity_sd_ah);
+        if sane(capacity_ah) && capacity_ah > 0.0 && capacity_sd_ah >= 0.0 {
+            let sd = capacity_sd_ah / capacity_ah;
+            if sd <= known.capacity_sd {
+                state.soc_per_a = self.soc_per_a * (self.params.battery.capacity_ah / capacity_ah);
+                state.slow.capacity_sd = max(sd, LEARNT * known.capacity_sd);
+            }
+        }
     }
 
     /// Says that the battery stood for `elapsed_s` \[s\] while the filter did not run: the branches

@@ -46,6 +46,8 @@ pub(super) struct Slow {
     /// All that a steady current sees \[Ω\], and the branches' part of it.
     pub(super) total_ohm: Real,
     pub(super) polarisation_ohm: Real,
+    /// What is not known of the former \[Ω\].
+    pub(super) dynamics_ohm: Real,
     /// What is left of an unknown polarisation \[V\].
     pub(super) polarisation_sd_v: Real,
     /// The current before the start whose polarisation is left \[A\].
@@ -57,6 +59,11 @@ pub(super) struct Slow {
     pub(super) offset_sd_a: Real,
     pub(super) temperature_c: Real,
     pub(super) temperature_missing: bool,
+    /// Every resistance of the model is larger by this factor; what is not known of them, and of the
+    /// capacity, as ratios.
+    pub(super) resistance_factor: Real,
+    pub(super) resistance_sd: Real,
+    pub(super) capacity_sd: Real,
     pub(super) slope: Slope,
     pub(super) drift: Drift,
     pub(super) gap: Gap,
@@ -95,7 +102,7 @@ impl Ekf {
             mean_a
         };
         Self::correct_drift(state);
-        self.follow_trust(state);
+        self.follow_trust(state, residual_v, mean_a);
         state.slow.gap.refresh(state.residual_sum_v);
         state.load_sum_a = 0.0;
         state.residual_sum_v = 0.0;
@@ -109,10 +116,10 @@ impl Ekf {
             let learnt_a = OFFSET_LEARNT * self.params.uncertainty.current_offset_sd_a;
             state.slow.offset_sd_a += gain * (learnt_a - state.slow.offset_sd_a);
         }
-        let moved = mean_a * self.soc_per_a * steps;
+        let moved = mean_a * state.soc_per_a * steps;
         self.follow_hysteresis(state, moved);
         // What flows unseen moves the state of charge too.
-        let unseen = state.slow.offset_sd_a * self.soc_per_a * steps;
+        let unseen = state.slow.offset_sd_a * state.soc_per_a * steps;
         self.follow_error(state, moved + unseen);
         state.slow.slope.moved += moved;
         self.follow_curve(state);
@@ -134,11 +141,11 @@ impl Ekf {
         let (outside, resistance_sd) = (self.outside(state), self.resistance_sd(state));
         let now = self.battery.resistances(state.soc(), state.slow.temperature_c);
         let slow = &mut state.slow;
-        let [fast, slower] = now.polarisation_ohm;
-        state.series_ohm = now.series_ohm;
+        let [fast, slower] = now.polarisation_ohm.map(|ohm| slow.resistance_factor * ohm);
+        state.series_ohm = slow.resistance_factor * now.series_ohm;
         state.branch_ohm = [self.gains[0] * fast, self.gains[1] * slower];
         slow.polarisation_ohm = fast + slower;
-        slow.total_ohm = now.series_ohm + slow.polarisation_ohm;
+        slow.total_ohm = state.series_ohm + slow.polarisation_ohm;
 
         let known = &self.params.uncertainty;
         let hysteresis_v = self.params.battery.hysteresis.half_gap_v * slow.hysteresis_sd;
@@ -184,13 +191,15 @@ impl Ekf {
         let celsius = state.slow.temperature_c;
         let colder_per_k = (REFERENCE_C - celsius) / ((KELVIN + celsius) * (KELVIN + REFERENCE_C));
         let by_activation = known.activation_sd_k * colder_per_k;
-        sqrt(known.resistance_sd * known.resistance_sd + by_activation * by_activation)
+        let resistance_sd = state.slow.resistance_sd;
+        sqrt(resistance_sd * resistance_sd + by_activation * by_activation)
     }
 
     /// What a step counts as noise, and the drift since the last refresh.
     fn follow_noise(&self, state: &mut EkfState, load_a: Real) {
         let known = &self.params.uncertainty;
         let dynamics_ohm = self.outside(state) * self.resistance_sd(state) * state.slow.total_ohm;
+        state.slow.dynamics_ohm = dynamics_ohm;
         state.load_noise_ohm2 =
             dynamics_ohm * dynamics_ohm * max(2.0 * DYNAMICS_S / self.dt_s, 1.0);
         state.noise_v2 = if self.is_flat(state) {
@@ -198,7 +207,7 @@ impl Ekf {
         } else {
             known.voltage_sd_v * known.voltage_sd_v + state.load_noise_ohm2 * load_a * load_a
         };
-        let unknown_a = known.capacity_sd * state.slow.load_a;
+        let unknown_a = state.slow.capacity_sd * state.slow.load_a;
         let offset_a = state.slow.offset_sd_a;
         self.add_drift(state, sqrt(offset_a * offset_a + unknown_a * unknown_a));
     }

@@ -185,6 +185,55 @@ fn what_is_remembered_is_aged_by_the_time_off() {
     }
 }
 
+/// A cell with four fifths of the capacity and nearly twice the resistance, told and not told.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn takes_over_what_was_learnt_of_the_health() {
+    use crate::Health;
+    let health = Health {
+        capacity_ah: 0.8 * 2.968,
+        capacity_sd_ah: 0.03,
+        resistance_factor: 1.8,
+        resistance_factor_sd: 0.05,
+    };
+    let error = |told: Option<Health>| {
+        let mut cell = CELL.rested(0.9).unwrap();
+        let mut state = EKF.start(0.9, 0.01, 25.0).unwrap();
+        if let Some(health) = told {
+            EKF.adopt(&mut state, &health);
+        }
+        let (mut soc, mut worst) = (0.9, 0.0);
+        for second in 0..3600 {
+            let current_a = load_a(second);
+            let out = CELL.step(&mut cell, MappedBatteryInput { current_a });
+            soc -= current_a / (3600.0 * health.capacity_ah);
+            // The voltage of the aged cell at its own state of charge.
+            let over_v = CELL.open_circuit().at(cell.soc.get()) - out.terminal_v;
+            let input = EkfInput {
+                current_a,
+                voltage_v: CELL.open_circuit().at(soc) - 1.8 * over_v,
+                temperature_c: 25.0,
+                contactors_open: false,
+            };
+            EKF.step(&mut state, input);
+            worst = max(worst, (state.soc() - soc).abs());
+        }
+        (worst, state)
+    };
+    let (told, knows) = error(Some(health));
+    let (untold, new) = error(None);
+    assert!(told < 0.01 && untold > 2.0 * told, "{told} {untold}");
+    assert!(knows.variance() < new.variance());
+    // What is not known better than was declared is not taken, nor is what is none.
+    let vague = Health { capacity_sd_ah: 0.5, resistance_factor_sd: 1.0, ..health };
+    let none = Health { capacity_ah: Real::NAN, resistance_factor: -1.0, ..health };
+    for useless in [vague, none] {
+        let mut state = new;
+        EKF.adopt(&mut state, &useless);
+        assert_eq!(state, new);
+    }
+}
+
 /// One sample of five is missing. The truth is known all along: so it is afterwards.
 #[test]
 fn isolated_dropouts_are_bridged() {

@@ -51,7 +51,7 @@ impl Record {
     }
 
     /// The filter as it goes on from here, aged by the time off: the branches have forgotten, and
-    /// what flowed in stand-by is not known.
+    /// what flowed in stand-by is not known. It takes over the health.
     ///
     /// # Errors
     /// [`ParamError::OutOfRange`] for a temperature outside −100..200 °C; a field that is refused.
@@ -68,7 +68,9 @@ impl Record {
             current_offset_a: self.current_offset_a,
             current_offset_sd_a: self.current_offset_sd_a,
         };
-        filter.resume(memory, self.age_s(now_s), temperature_c)
+        let mut state = filter.resume(memory, self.age_s(now_s), temperature_c)?;
+        filter.adopt(&mut state, &self.health());
+        Ok(state)
     }
 
     /// The counter, likewise; `standby_sd_a` \[A\] is the stand-by current's standard deviation.
@@ -80,6 +82,7 @@ impl Record {
         standby_sd_a: Real,
     ) -> CoulombState {
         let mut state = CoulombState::known(self.soc, self.soc_sd);
+        counter.adopt(&mut state, &self.health());
         counter.pause(&mut state, self.age_s(now_s), standby_sd_a);
         state
     }
