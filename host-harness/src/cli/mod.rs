@@ -76,10 +76,11 @@ enum Command {
         json: bool,
     },
     /// Run a state-of-charge estimator over measured cell tests or trips and compare it with the
-    /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest
+    /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest.
+    /// --matrix without files simulates batteries with which something is wrong
     Soc {
         /// Cell tests, trip files, or folders of them
-        #[arg(required = true, value_name = "FILE|DIR", value_parser = estimators::check_path)]
+        #[arg(required_unless_present = "matrix", value_name = "FILE|DIR", value_parser = estimators::check_path)]
         files: Vec<PathBuf>,
         /// A built-in battery (see `voltstep list`) or a battery file [default: the cell for cell
         /// tests, the car's pack for trips]
@@ -187,6 +188,11 @@ fn run(command: Command) -> anyhow::Result<bool> {
             let report = verify::run(true);
             print(&if json { report.to_json()? } else { report.table() })?;
             Ok(report.is_good())
+        }
+        Command::Soc { files, matrix: true, json, .. } if files.is_empty() => {
+            let report = estimators::honesty::Report::of(estimators::honesty::SEEDS);
+            print(&if json { report.to_json()? } else { report.table() })?;
+            Ok(report.is_honest())
         }
         Command::Soc {
             files,
