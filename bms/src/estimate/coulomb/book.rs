@@ -7,13 +7,13 @@ use crate::Health;
 
 use super::{CoulombCounter, CoulombState, real};
 
-/// A gap up to this is bridged \[s\].
+/// A gap up to this is bridged \[s\]. Chosen: the usual time between two reviews.
 const SINGLE_S: Real = 1.0;
-/// A current has become any other after this time \[s\].
+/// A current has become any other after this time \[s\]. Chosen.
 const CHANGES_S: Real = 5.0;
-/// A rest may miss this share of its samples.
+/// A rest may miss this share of its samples. Chosen.
 const REST_MISSED: Real = 0.02;
-/// A time that nobody knows counts as this long for what may have flowed: a month \[s\].
+/// A time that nobody knows counts as this long for what may have flowed \[s\]. Chosen: a month.
 const UNKNOWN_S: Real = 2.6e6;
 
 impl CoulombCounter {

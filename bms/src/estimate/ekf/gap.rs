@@ -4,7 +4,8 @@ use plant_core::num::{Real, max, min, sqrt};
 
 use super::{Ekf, EkfOutput, EkfState, UNKNOWN_SD};
 
-/// A current that is not seen is taken to go on as it was, and to fade over this time \[s\].
+/// A current that is not seen is taken to go on as it was, and to fade over this time \[s\]. Chosen:
+/// in a drive it is another one by then.
 const BRIDGED_S: Real = 5.0;
 /// What an outlier adds to the standard deviation of the state of charge, per square root of a
 /// second: what keeps on contradicting the filter wins. Chosen: 2 % in a minute.

@@ -35,9 +35,10 @@
 //!
 //! # What is ours
 //! - **The model's error** is coloured. Its standard deviation follows the load:
-//!   `σ² = σ_ocv² + (ρ·R·Ī)² + σ_pol²` with ρ the relative error of the resistances, Ī the mean
-//!   magnitude of the current over minutes, and `σ_pol` what is left of an unknown polarisation at
-//!   the start. It does not change with time but with charge (the open-circuit curve's error is a
+//!   `σ² = σ_ocv² + (ρ·R·Ī)² + σ_pol² + (R_pol·I_before)² + σ_V² + (M·σ_η)²` with ρ the relative
+//!   error of the resistances, Ī the mean magnitude of the current over minutes, `σ_pol` and
+//!   `I_before` what is left of an unknown polarisation at the start and of the current before it,
+//!   and `σ_V` what a sensor's resolution does alike at rest. It does not change with time but with charge (the open-circuit curve's error is a
 //!   function of the state of charge): at rest nothing is averaged. When σ falls from σ₁ to σ₂ the
 //!   error keeps the share (σ₂/σ₁)², as a sum of independent parts does of which some go; without
 //!   this, changes of the load would seem to tell the state of charge apart from the error.
@@ -56,6 +57,8 @@
 //!   this leaves is part of the model's error until the branches have forgotten it.
 //! - **A current that is missing** goes on as it was for some seconds; its error is the same within
 //!   a gap, another one in the next.
+//! - **What contradicts is said**: corrections of the last hour whose sum is more than three standard
+//!   deviations of what it should be, or residuals whose mean square is too large, are not consistent.
 //!
 //! The polarisation is that of the model under the measured current: the branches forget, so what
 //! is wrong in them is part of the model's error.

@@ -46,7 +46,7 @@ impl Uncertainty {
     ///
     /// All are chosen. 10 mV make 1 % of charge where the curve rises by 1 V over the whole charge;
     /// 500 K make 30 % of the resistance at −10 °C; an offset of C/100 makes 1 % of charge in an
-    /// hour; 5 % of charge are some three points of the curve's table.
+    /// hour; C/3000 makes 0.8 % in a day; 5 % of charge are some three points of the curve's table.
     ///
     /// `nominal_v` is the voltage at half charge \[V\], of the cell or the pack.
     #[must_use]

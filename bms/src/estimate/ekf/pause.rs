@@ -9,9 +9,10 @@ use crate::Health;
 use super::slow::LOAD_MEMORY_S;
 use super::{Ekf, EkfState};
 
-/// A time that nobody knows counts as this long for what may have flowed: a month \[s\].
+/// A time that nobody knows counts as this long for what may have flowed \[s\]. Chosen: a month.
 const UNKNOWN_S: Real = 2.6e6;
 /// What was learnt of the health leaves at least this share of what was declared open.
+/// Chosen: one factor for all resistances says nothing of the map's shape.
 const LEARNT: Real = 0.5;
 
 /// What is worth keeping of an [`EkfState`] where the power goes.

@@ -8,8 +8,9 @@ use super::{Ekf, EkfState};
 /// 0.03 V of slope over it.
 const SHORTEST_CHORD: Real = 1e-3;
 /// The slope is taken anew after a move by this many of the standard deviations it was taken with.
+/// Chosen: within that the least slope over three of them is nearly the same.
 const HELD_SDS: Real = 0.25;
-/// A slope that falls makes the state of charge at most so much less sure at a time.
+/// A slope that falls makes the state of charge at most so much less sure at a time. Chosen.
 const MOST_LESS: Real = 2.0;
 /// √½.
 const HALF_ROOT: Real = 0.707_106_77;

@@ -13,6 +13,7 @@ use super::trust::Trust;
 use super::{Ekf, EkfState, UNKNOWN_SD};
 
 /// What may have flowed before a start that is not rested, as a share of the capacity per hour.
+/// Chosen: a brisk drive.
 const BEFORE_PER_H: Real = 1.0 / 3.0;
 
 impl Ekf {

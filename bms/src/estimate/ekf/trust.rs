@@ -4,18 +4,19 @@ use plant_core::num::{Real, lag_gain, max, min};
 
 use super::{CONSISTENT, Ekf, EkfState};
 
-/// The corrections are summed over this time \[s\] …
+/// The corrections are summed over this time \[s\] … Chosen: a drive.
 const SUMMED_S: Real = 3600.0;
-/// … where the standard deviation is below this …
+/// … where the standard deviation is below this … Chosen: before, the filter still looks for the state of charge.
 const KNOWN_SD: Real = 0.1;
-/// … and this variance of their sum is none.
+/// … and this variance of their sum is none. Chosen: 0.3 % of charge.
 const SMALL_VARIANCE: Real = 1e-5;
 /// The residuals of a second are looked at over this time \[s\], and remembered over this \[s\]: a
 /// rest proves nothing. Their mean square may be so many times that of the model's error.
+/// Chosen.
 const SQUARES_S: Real = 300.0;
 const REMEMBERED_S: Real = 3600.0;
 const MOST_SQUARE: Real = 2.0;
-/// A single one counts up to this.
+/// A single one counts up to this. Chosen: ten standard deviations.
 const LARGEST_SQUARE: Real = 100.0;
 
 /// What the voltage has added to the state of charge in the last hour or so, and the variance that
