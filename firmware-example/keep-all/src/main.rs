@@ -32,6 +32,7 @@ use plant_core::powertrain::{Powertrain, PowertrainParams};
 use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
 use plant_core::signal::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
 use plant_core::{Accum, Dt, Model, ParamError};
+use voltstep_bms::Estimate;
 use voltstep_bms::estimate::cells::{self, Cells};
 use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombState};
 use voltstep_bms::estimate::ekf::{Ekf, EkfParams, EkfState, Uncertainty};
@@ -155,7 +156,7 @@ fn management() {
         <CoulombCounter as Model>::step,
         Cells::new, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
         CellsState::spread,
-        Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
+        Estimate::rested, Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
         CapacityEstimator::known, CapacityEstimator::step, ResistanceEstimator::new,
         ResistanceEstimator::unknown, ResistanceEstimator::known, ResistanceEstimator::step,
         EnergyGauge::new, EnergyGauge::params, EnergyGauge::step, EnergyGauge::report, EnergyGauge::left,

@@ -25,7 +25,7 @@ pub(super) struct Loads {
 }
 
 impl Loads {
-    pub const fn current_a(&self, battery_v: Real) -> Real {
+    pub(super) const fn current_a(&self, battery_v: Real) -> Real {
         self.constant_a + (self.resistor_s + self.converter_s) * battery_v
     }
 }
@@ -44,7 +44,7 @@ pub(super) struct Start {
 
 impl Start {
     /// Cuts the auxiliary loads off.
-    pub const fn starve(&mut self, source: Source) {
+    pub(super) const fn starve(&mut self, source: Source) {
         self.loads = Loads { any: true, constant_a: 0.0, resistor_s: 0.0, converter_s: 0.0 };
         self.bus = source;
     }

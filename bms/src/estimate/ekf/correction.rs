@@ -22,7 +22,7 @@ pub(super) struct Correction {
 
 impl Correction {
     #[inline(always)]
-    pub fn new(state: &EkfState, slope: Real, noise_v2: Real) -> Self {
+    pub(super) fn new(state: &EkfState, slope: Real, noise_v2: Real) -> Self {
         let weight = state.shared_per_v * slope + 1.0;
         let own_v = state.own_variance * slope;
         let error_v2 = state.error_variance_v2 * weight;
@@ -40,7 +40,7 @@ impl Correction {
 
     /// What it does to the covariance.
     #[inline(always)]
-    pub fn shrink(&self, state: &mut EkfState, noise_v2: Real) {
+    pub(super) fn shrink(&self, state: &mut EkfState, noise_v2: Real) {
         let per_partial = 1.0 / self.partial_v2;
         state.shared_per_v -= self.cross_v * per_partial;
         state.own_variance *= noise_v2 * per_partial;
@@ -49,7 +49,12 @@ impl Correction {
 
     /// Corrects state and covariance by a residual.
     #[inline(always)]
-    pub fn apply(&self, state: &mut EkfState, residual_v: Real, noise_v2: Real) -> EkfOutput {
+    pub(super) fn apply(
+        &self,
+        state: &mut EkfState,
+        residual_v: Real,
+        noise_v2: Real,
+    ) -> EkfOutput {
         state.residual_sum_v += residual_v;
         let correction = self.soc_per_v * residual_v;
         state.rise += correction;
