@@ -11,8 +11,9 @@ use voltstep_bms::estimate::ekf::{Ekf, EkfInput, EkfParams, EkfState};
 
 /// What single precision may cost in the state of charge.
 const ROUNDING_SOC: f64 = 2e-4;
-/// What it may cost in the standard deviation, relative.
-const ROUNDING_SD: f64 = 0.01;
+/// What it may cost in the standard deviation, relative: the curve's slope is held for a while, and
+/// taken anew a second sooner or later.
+const ROUNDING_SD: f64 = 0.02;
 
 /// A filter over ten hours of drives with a recharge after each: state of charge and its standard
 /// deviation each hour.

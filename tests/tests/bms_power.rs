@@ -54,7 +54,7 @@ impl Pack {
                 voltage_max_v: high_v * cells,
                 soc_min: 0.0,
                 soc_max: 1.0,
-                soc_margin_sds: 0.0,
+                margin_sds: 0.0,
                 horizons_s: HORIZONS_S,
                 discharge_window: ANY,
                 charge_window: ANY,

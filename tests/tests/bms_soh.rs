@@ -166,6 +166,7 @@ fn live(seed: u32, lie: Lie) -> Vec<(CapacityOutput, ResistanceOutput)> {
             least_step_a: 0.5,
             memory_steps: 2000.0,
             initial_sd: 0.5,
+            skew_s: 0.0,
         },
         &known,
         dt,

@@ -5,19 +5,23 @@
 //! errors of a count are not noise, an offset stays the same offset. So each grows in proportion to
 //! its cause, and they join as independent of each other. With `t` the time and `q` the charge
 //! since the count was last put right, as state of charge:
-//! `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)²`, and never
-//! more than that of a state of charge that may be anything.
+//! `sd² = sd₀² + (σ_offset·t/Q)² + (σ_gain·∫|dq|)² + (σ_Q/Q·q)² + (I_max·t_missed/Q)² + Σ b²`, and
+//! never more than that of a state of charge that may be anything. A gap of up to a second is bridged
+//! by the mean of its neighbours and adds `b² = (I_max·t/Q)²·t/(5 s)`, as its error is another one from
+//! gap to gap; what is missed for longer is `t_missed`. A capacity that was learnt takes the place of
+//! the declared one.
 //!
 //! Tests: `tests` below; `tests/tests/bms_pack/coulomb.rs` and `finite.rs`; measured cells and
 //! trips in `voltstep soc --estimator coulomb`.
 
+mod book;
 mod params;
 
 pub use params::CoulombParams;
 
 use plant_core::battery::OpenCircuit;
 use plant_core::error::{efficiency, not_negative, positive};
-use plant_core::num::{LARGEST_PARAM, clamp, max, min, sane, sqrt};
+use plant_core::num::{clamp, max, min, sane, sqrt};
 use plant_core::{Accum, Dt, Model, ParamError, Real, check};
 
 use crate::estimate::curve::rising;
@@ -64,6 +68,7 @@ use crate::estimate::curve::rising;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombCounter {
+    capacity_ah: Real,
     largest_current_a: Real,
     /// SOC per A over one step.
     soc_per_a: Real,
@@ -92,6 +97,10 @@ pub struct CoulombState {
     last_a: Real,
     steps: u32,
     missed_steps: u32,
+    /// The capacity of the parameters over that of now, and what is not known of it, as a ratio,
+    /// where something was learnt.
+    per_capacity: Real,
+    capacity_sd: Option<Real>,
     /// State of charge at the last review.
     soc: Accum,
     /// Since the count was put right: its standard deviation then, the time, and as SOC the charge
@@ -101,7 +110,12 @@ pub struct CoulombState {
     taken_soc: Accum,
     moved_soc: Accum,
     unseen_soc: Accum,
+    /// Variance of what flowed in single missing samples.
+    bridged_variance: Real,
     rested_s: Accum,
+    /// What of that was missed \[s\]; before the last review, all was.
+    rest_missed_s: Real,
+    saw_nothing: bool,
 }
 
 /// Input of one step of a [`CoulombCounter`].
@@ -141,13 +155,18 @@ impl CoulombState {
             last_a: 0.0,
             steps: 0,
             missed_steps: 0,
+            per_capacity: 1.0,
+            capacity_sd: None,
             soc: Accum::new(soc),
             anchor_sd: soc_sd,
             counted_s: Accum::new(0.0),
             taken_soc: Accum::new(0.0),
             moved_soc: Accum::new(0.0),
             unseen_soc: Accum::new(0.0),
+            bridged_variance: 0.0,
             rested_s: Accum::new(0.0),
+            rest_missed_s: 0.0,
+            saw_nothing: false,
         }
     }
 
@@ -203,6 +222,7 @@ impl CoulombCounter {
             check!(positive("coulomb.rest_voltage_sd_v", params.rest_voltage_sd_v));
         let capacity_c = 3600.0 * capacity_ah;
         Ok(Self {
+            capacity_ah,
             largest_current_a: check!(positive(
                 "coulomb.largest_current_a",
                 params.largest_current_a
@@ -254,7 +274,8 @@ impl CoulombCounter {
     #[inline]
     fn taken_soc(&self, state: &CoulombState) -> Real {
         let net_a = state.net_a();
-        clamp((net_a + self.charge_loss * max(-net_a, 0.0)) * self.soc_per_a, -1.0, 1.0)
+        let soc_per_a = self.soc_per_a * state.per_capacity;
+        clamp((net_a + self.charge_loss * max(-net_a, 0.0)) * soc_per_a, -1.0, 1.0)
     }
 
     /// Takes stock: books what was counted since the last review, and puts the count right where
@@ -267,7 +288,7 @@ impl CoulombCounter {
         let current_missing = state.missed_steps > 0;
         let resting = self.book(state);
         if !resting {
-            state.rested_s = Accum::new(0.0);
+            (state.rested_s, state.rest_missed_s) = (Accum::new(0.0), 0.0);
         }
         let (mut anchored, mut voltage_implausible) = (false, false);
         if resting && state.rested_s.get() >= self.rest_s && sane(voltage_v) {
@@ -277,7 +298,11 @@ impl CoulombCounter {
                     let apart = (rest_soc - state.soc.get()).abs();
                     anchored = rest_sd < soc_sd || apart > SPAN_SD * (rest_sd + soc_sd);
                     if anchored {
-                        *state = CoulombState::known(rest_soc, rest_sd);
+                        *state = CoulombState {
+                            per_capacity: state.per_capacity,
+                            capacity_sd: state.capacity_sd,
+                            ..CoulombState::known(rest_soc, rest_sd)
+                        };
                     }
                 }
                 None => voltage_implausible = true,
@@ -292,30 +317,6 @@ impl CoulombCounter {
         }
     }
 
-    /// Books what was counted; whether the battery rested.
-    fn book(&self, state: &mut CoulombState) -> bool {
-        let (steps, missed_steps) = (real(state.steps), real(state.missed_steps));
-        let elapsed_s = min(steps * self.dt_s, LARGEST_PARAM);
-        let taken_soc = self.taken_soc(state);
-        state.soc.add(-taken_soc);
-        // The truth lies within 0..1, so this only brings the count nearer to it.
-        if !(0.0..=1.0).contains(&state.soc.get()) {
-            state.soc = Accum::new(clamp(state.soc.get(), 0.0, 1.0));
-        }
-        state.taken_soc.add(taken_soc);
-        state.moved_soc.add(taken_soc.abs());
-        state.unseen_soc.add(min(missed_steps * (self.largest_current_a * self.soc_per_a), 1.0));
-        state.counted_s.add(elapsed_s);
-        state.rested_s.add(elapsed_s);
-        // The mean, and one sample of it: a ripple without a mean would bend the voltage too.
-        let resting = state.missed_steps == 0
-            && state.net_a().abs() <= self.rest_current_a * steps
-            && state.last_a.abs() <= self.rest_current_a;
-        (state.earlier_a, state.last_a) = (0.0, 0.0);
-        (state.steps, state.missed_steps) = (0, 0);
-        resting
-    }
-
     /// The standard deviation of the state of charge, as of the last review.
     #[must_use]
     pub fn soc_sd(&self, state: &CoulombState) -> Real {
@@ -324,8 +325,9 @@ impl CoulombCounter {
             state.anchor_sd,
             self.offset_sd_per_s * state.counted_s.get(),
             self.gain_sd * state.moved_soc.get(),
-            self.capacity_sd * state.taken_soc.get(),
+            state.capacity_sd.unwrap_or(self.capacity_sd) * state.taken_soc.get(),
             state.unseen_soc.get(),
+            sqrt(state.bridged_variance),
         ] {
             variance += sd * sd;
         }

@@ -5,9 +5,12 @@
 //! none, never a wrong one. The functions here are pure, over arrays of bytes; [`RecordStore`]
 //! puts them on a flash memory.
 //!
-//! A slot is [`LENGTH`] bytes, little-endian: `"VS"`, version, flags, sequence number, nine
-//! single-precision numbers in the order of [`Record`]'s fields, the time, twelve bytes of zero,
-//! and the CRC-32C of all that.
+//! A slot is [`LENGTH`] bytes, little-endian: `"VS"`, version, flags, sequence number; in single
+//! precision what stands first in [`Record`], up to the throughput; the time; polarisation, load,
+//! hysteresis and resistor heat; the lock-out cause in 2 bytes and 2 of zero; the log's sequence
+//! number; 16 bytes of zero, and the CRC-32C of all that. The first version was 64 bytes long: it
+//! ended with the time, twelve bytes of zero and the CRC-32C of its own; it is read as that of a
+//! battery whose polarisation is not known.
 //!
 //! The layout is ours. Tests: `tests` below; on a simulated flash memory in
 //! `tests/tests/bms_pack/record.rs`.
@@ -16,19 +19,28 @@ use crc::{CRC_32_ISCSI, Crc, NoTable};
 use plant_core::error::{check, not_negative, positive, ratio};
 use plant_core::{ParamError, Real};
 
+use crate::estimate::ekf::Polarisation;
+
+mod resume;
 mod store;
 
 pub use store::{RecordStore, SaveError};
 
 /// Bytes of a slot: a multiple of the 32 that some flash memories write at once.
-pub const LENGTH: usize = 64;
-/// Bytes that the checksum covers.
-const BODY: usize = LENGTH - 4;
+pub const LENGTH: usize = 96;
+/// Words of four bytes in it.
+const WORDS: usize = LENGTH / 4;
+/// Words of the first version, which filled the first part of the slot.
+const FIRST_WORDS: usize = 16;
 const MAGIC: [u8; 2] = *b"VS";
-/// Version of the layout. Another version is not read.
-pub const VERSION: u8 = 1;
+/// Version of the layout. Beside it, the first is read.
+pub const VERSION: u8 = 2;
+/// The first version.
+const FIRST_VERSION: u8 = 1;
 /// Flag: the time is known.
 const TIMED: u8 = 1;
+/// Flag: the polarisation is known.
+const POLARISED: u8 = 2;
 
 /// Castagnoli's polynomial: at this length it finds any 5 wrong bits \[Koopman2002\], and any
 /// within 32 neighbours. Without a table: a record is written seldom.
@@ -50,6 +62,10 @@ const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 ///     current_offset_sd_a: 0.01,
 ///     throughput_ah: 12_000.0,
 ///     written_at_s: None,
+///     polarisation: None,
+///     resistor_heat_j: 0.0,
+///     lock_out_cause: 0,
+///     log_sequence: 0,
 /// };
 /// let (older, mut newer) = (record.encode(7)?, record.encode(8)?);
 /// newer[LENGTH / 2] ^= 1; // memory gone bad
@@ -87,6 +103,15 @@ pub struct Record {
     pub throughput_ah: Real,
     /// When this was written \[s\], on a clock of the product's own, where one was running.
     pub written_at_s: Option<u32>,
+    /// What the last minutes left in the battery, where it is known: voltages within ±10 000 V, a
+    /// load of up to 1e5 A.
+    pub polarisation: Option<Polarisation>,
+    /// Heat in the precharge resistor \[J\], 0..1e6.
+    pub resistor_heat_j: Real,
+    /// Why the contactors must stay open, a number of the product's own; 0: they need not.
+    pub lock_out_cause: u16,
+    /// Sequence number of the newest entry of the product's log.
+    pub log_sequence: u32,
 }
 
 /// Why a slot gives no record.
@@ -169,6 +194,14 @@ impl Record {
         check!(up_to("record.current_offset_a", self.current_offset_a.abs(), 1e4));
         check!(up_to("record.current_offset_sd_a", self.current_offset_sd_a, 1e4));
         check!(up_to("record.throughput_ah", self.throughput_ah, 1e9));
+        if let Some(polarisation) = &self.polarisation {
+            let [fast_v, slow_v] = polarisation.branches_v;
+            check!(up_to("record.polarisation.branches_v", fast_v.abs(), 1e4));
+            check!(up_to("record.polarisation.branches_v", slow_v.abs(), 1e4));
+            check!(up_to("record.polarisation.load_a", polarisation.load_a, 1e5));
+            check!(up_to("record.polarisation.hysteresis", polarisation.hysteresis.abs(), 1.0));
+        }
+        check!(up_to("record.resistor_heat_j", self.resistor_heat_j, 1e6));
         Ok(self)
     }
 
@@ -178,10 +211,14 @@ impl Record {
     /// [`ParamError`] names a field that [`checked`](Self::checked) refuses.
     pub fn encode(&self, sequence: u32) -> Result<[u8; LENGTH], ParamError> {
         let record = self.checked()?;
-        let flags = if record.written_at_s.is_some() { TIMED } else { 0 };
+        let timed = if record.written_at_s.is_some() { TIMED } else { 0 };
+        let polarised = if record.polarisation.is_some() { POLARISED } else { 0 };
+        let polarisation = record.polarisation.unwrap_or(Polarisation::NONE);
+        let [fast_v, slow_v] = polarisation.branches_v;
+        let [cause_low, cause_high] = record.lock_out_cause.to_le_bytes();
         let [v, s] = MAGIC;
         let words = [
-            [v, s, VERSION, flags],
+            [v, s, VERSION, timed | polarised],
             sequence.to_le_bytes(),
             single(record.soc),
             single(record.soc_sd),
@@ -193,12 +230,19 @@ impl Record {
             single(record.current_offset_sd_a),
             single(record.throughput_ah),
             record.written_at_s.unwrap_or(0).to_le_bytes(),
+            single(fast_v),
+            single(slow_v),
+            single(polarisation.load_a),
+            single(polarisation.hysteresis),
+            single(record.resistor_heat_j),
+            [cause_low, cause_high, 0, 0],
+            record.log_sequence.to_le_bytes(),
         ];
         let mut bytes = [0; LENGTH];
         for (place, word) in bytes.as_chunks_mut().0.iter_mut().zip(words) {
             *place = word;
         }
-        let sum = checksum(&bytes).to_le_bytes();
+        let sum = checksum::<WORDS>(&bytes).to_le_bytes();
         if let Some(place) = bytes.last_chunk_mut() {
             *place = sum;
         }
@@ -227,18 +271,31 @@ impl Record {
             current_offset_sd_a,
             throughput_ah,
             written_at_s,
+            fast_v,
+            slow_v,
+            load_a,
+            first_sum_or_hysteresis,
+            resistor_heat_j,
+            [cause_low, cause_high, ..],
+            log_sequence,
             ..,
             sum,
         ] = words
         else {
             return Err(RecordError::Unknown);
         };
-        if [*v, *s] != MAGIC || *version != VERSION {
+        let (sum, expected) = match *version {
+            VERSION => (sum, checksum::<WORDS>(bytes)),
+            FIRST_VERSION => (first_sum_or_hysteresis, checksum::<FIRST_WORDS>(bytes)),
+            _ => return Err(RecordError::Unknown),
+        };
+        if [*v, *s] != MAGIC {
             return Err(RecordError::Unknown);
         }
-        if u32::from_le_bytes(*sum) != checksum(bytes) {
+        if u32::from_le_bytes(*sum) != expected {
             return Err(RecordError::Corrupted);
         }
+        let since_second = *version == VERSION;
         let record = Self {
             soc: real(*soc),
             soc_sd: real(*soc_sd),
@@ -250,6 +307,18 @@ impl Record {
             current_offset_sd_a: real(*current_offset_sd_a),
             throughput_ah: real(*throughput_ah),
             written_at_s: (flags & TIMED != 0).then(|| u32::from_le_bytes(*written_at_s)),
+            polarisation: (since_second && flags & POLARISED != 0).then(|| Polarisation {
+                branches_v: [real(*fast_v), real(*slow_v)],
+                load_a: real(*load_a),
+                hysteresis: real(*first_sum_or_hysteresis),
+            }),
+            resistor_heat_j: if since_second { real(*resistor_heat_j) } else { 0.0 },
+            lock_out_cause: if since_second {
+                u16::from_le_bytes([*cause_low, *cause_high])
+            } else {
+                0
+            },
+            log_sequence: if since_second { u32::from_le_bytes(*log_sequence) } else { 0 },
         };
         match record.checked() {
             Ok(record) => Ok((record, u32::from_le_bytes(*sequence))),
@@ -299,8 +368,9 @@ const fn newer(sequence: u32, other: u32) -> bool {
     sequence.wrapping_sub(other).cast_signed() > 0
 }
 
-fn checksum(bytes: &[u8; LENGTH]) -> u32 {
-    bytes.first_chunk::<BODY>().map_or(0, |body| CHECKSUM.checksum(body))
+/// Of so many words but the last, which holds it.
+fn checksum<const WORDS: usize>(bytes: &[u8; LENGTH]) -> u32 {
+    bytes.get(..4 * (WORDS - 1)).map_or(0, |body| CHECKSUM.checksum(body))
 }
 
 const fn up_to(field: &'static str, value: Real, largest: Real) -> Result<Real, ParamError> {

@@ -42,7 +42,7 @@ use voltstep_bms::estimate::cells::{self, Cells};
 use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombState};
 use voltstep_bms::estimate::ekf::{Ekf, EkfParams, EkfState, Uncertainty};
 use voltstep_bms::estimate::energy::EnergyGauge;
-use voltstep_bms::estimate::power::{PowerLimits, TemperatureWindow};
+use voltstep_bms::estimate::power::{PowerLimits, PowerWalk, TemperatureWindow};
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
 use voltstep_bms::measure::{self, Reading, Spread};
 use voltstep_bms::store::record::{self, Found, Record, Slot};
@@ -162,10 +162,12 @@ fn management() {
         Measurements::temperature_spread, <Measurements as Default>::default,
         Uncertainty::typical, EkfParams::typical, EkfState::soc, EkfState::variance, Ekf::new, Ekf::params,
         Ekf::start, Ekf::start_unknown, Ekf::start_rested, Ekf::step, Ekf::update, Ekf::refresh,
-        Ekf::estimate, Ekf::status, <Ekf as Model>::step,
+        Ekf::estimate, Ekf::status, Ekf::remember, Ekf::resume, Ekf::pause, Ekf::adopt,
+        <Ekf as Model>::step,
         CoulombState::known, <CoulombState as Default>::default, CoulombCounter::new,
         CoulombCounter::rested, CoulombCounter::step, CoulombCounter::soc, CoulombCounter::soc_sd,
-        CoulombCounter::review, <CoulombCounter as Model>::step,
+        CoulombCounter::review, CoulombCounter::pause, CoulombCounter::adopt,
+        <CoulombCounter as Model>::step,
         Cells::new, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
         CellsState::spread,
         Estimate::rested, Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
@@ -173,7 +175,9 @@ fn management() {
         ResistanceEstimator::unknown, ResistanceEstimator::known, ResistanceEstimator::step,
         EnergyGauge::new, EnergyGauge::params, EnergyGauge::step, EnergyGauge::report, EnergyGauge::left,
         TemperatureWindow::share, PowerLimits::new, PowerLimits::ahead,
+        PowerLimits::walk, <PowerWalk as Default>::default,
         Slot::other, Record::checked, Record::encode, Record::decode, Found::in_slots, Found::next,
+        Record::of, Record::health, Record::age_s, Record::filter, Record::counter,
         RecordStore::new, RecordStore::load, RecordStore::save, RecordStore::release,
     );
 }

@@ -40,7 +40,8 @@ enum Command {
     /// compare the models with every measurement in a folder
     Validate(validate::Arguments),
     /// Run a state-of-charge estimator over measured cell tests or trips and compare it with the
-    /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest
+    /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest.
+    /// --matrix without files simulates batteries with which something is wrong
     Soc(soc::Arguments),
     /// Find a model's parameters from measurements, each with its standard error
     Identify {

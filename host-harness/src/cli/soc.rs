@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use clap::Args;
 
-use crate::evaluate::estimators::{self, Case, Estimator, Options};
+use crate::evaluate::estimators::{self, Case, Estimator, Options, honesty};
 use crate::show;
 
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Cell tests, trip files, or folders of them
-    #[arg(required = true, value_name = "FILE|DIR", value_parser = check_path)]
+    #[arg(required_unless_present = "matrix", value_name = "FILE|DIR", value_parser = check_path)]
     files: Vec<PathBuf>,
     /// A built-in battery (see `voltstep list`) or a battery file [default: the cell for cell
     /// tests, the car's pack for trips]
@@ -51,6 +51,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     );
     ensure!(current_bias_a.is_finite(), "--current-bias-a {current_bias_a}: must be finite");
     ensure!((0.01..=1000.0).contains(&rate_hz), "--rate-hz {rate_hz}: must lie in 0.01..1000");
+    if files.is_empty() {
+        let report = honesty::Report::of(honesty::SEEDS);
+        super::print(&if json { show::json(&report)? } else { show::honesty::render(&report) })?;
+        return Ok(report.is_honest());
+    }
     let cases = if matrix {
         Case::MATRIX.to_vec()
     } else {

@@ -6,6 +6,7 @@ pub(crate) mod cells;
 pub(crate) mod endurance;
 pub(crate) mod estimators;
 pub(crate) mod files;
+pub(crate) mod honesty;
 pub(crate) mod identified;
 mod plot;
 pub(crate) mod progress;

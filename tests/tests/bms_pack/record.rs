@@ -5,6 +5,7 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 use proptest::prelude::*;
+use voltstep_bms::estimate::ekf::Polarisation;
 use voltstep_bms::store::record::{
     Found, LENGTH, Record, RecordError, RecordStore, SaveError, Slot,
 };
@@ -16,8 +17,10 @@ fn record() -> impl Strategy<Value = Record> {
         (0.0..=1.0_f32, 0.0..=1.0_f32, 0.1..1000.0_f32, 0.0..=1.0_f32),
         (0.5..5.0_f32, 0.0..2.0_f32, -10.0..10.0_f32, 0.0..10.0_f32),
         (0.0..1e6_f32, any::<Option<u32>>()),
+        prop::option::of((prop::array::uniform2(-20.0..20.0_f32), 0.0..500.0_f32, -1.0..=1.0_f32)),
+        (0.0..1e4_f32, any::<u16>(), any::<u32>()),
     )
-        .prop_map(|(a, b, c)| Record {
+        .prop_map(|(a, b, c, d, e)| Record {
             soc: a.0,
             soc_sd: a.1,
             capacity_ah: a.2,
@@ -28,6 +31,14 @@ fn record() -> impl Strategy<Value = Record> {
             current_offset_sd_a: b.3,
             throughput_ah: c.0,
             written_at_s: c.1,
+            polarisation: d.map(|(branches_v, load_a, hysteresis)| Polarisation {
+                branches_v,
+                load_a,
+                hysteresis,
+            }),
+            resistor_heat_j: e.0,
+            lock_out_cause: e.1,
+            log_sequence: e.2,
         })
 }
 
@@ -100,7 +111,7 @@ proptest! {
             *place = *byte;
         }
         prop_assert!(Record::decode(&slot).is_err());
-        slot[..3].copy_from_slice(b"VS\x01");
+        slot[..3].copy_from_slice(b"VS\x02");
         prop_assert_eq!(Record::decode(&slot), Err(RecordError::Corrupted));
     }
 
@@ -160,6 +171,10 @@ fn reports_a_memory_that_forgets() {
         current_offset_sd_a: 0.1,
         throughput_ah: 0.0,
         written_at_s: None,
+        polarisation: None,
+        resistor_heat_j: 0.0,
+        lock_out_cause: 0,
+        log_sequence: 0,
     };
     let mut store = RecordStore::new(Flash::new(false), [0, 128]).unwrap();
     assert_eq!(store.load(), Found { newest: None, damaged: false });

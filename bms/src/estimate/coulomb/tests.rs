@@ -1,6 +1,7 @@
 use plant_core::num::SocTable;
 
 use super::*;
+use crate::Health;
 
 const LINE: OpenCircuit = OpenCircuit::Linear { empty_v: 3.0, full_v: 4.0 };
 const PARAMS: CoulombParams = CoulombParams {
@@ -133,11 +134,11 @@ fn is_put_right_by_a_rest() {
     assert!(!run(&c, &mut s, 0.05, 3.7, 599).anchored);
     let out = run(&c, &mut s, 0.05, 3.7, 2);
     assert!((out.soc - 0.7).abs() < 1e-4 && (out.soc_sd - 0.01).abs() < 1e-4, "{out:?}");
-    // A current above that of a rest, or none measured, starts the rest anew.
-    for interruption in [0.2, Real::NAN] {
+    // A current above that of a rest, or none measured for a while, starts the rest anew.
+    for (interruption, seconds) in [(0.2, 1), (Real::NAN, 2)] {
         let mut s = CoulombState::UNKNOWN;
-        run(&c, &mut s, 0.05, 3.7, 599);
-        run(&c, &mut s, interruption, 3.7, 1);
+        run(&c, &mut s, 0.05, 3.7, 300);
+        run(&c, &mut s, interruption, 3.7, seconds);
         assert!(run(&c, &mut s, 0.05, 3.7, 599).soc_sd > 0.2);
         assert!(run(&c, &mut s, 0.05, 3.7, 1).soc_sd < 0.02);
     }
@@ -156,6 +157,62 @@ fn is_put_right_by_a_rest() {
         let out = run(&c, &mut s, 0.0, bad, 700);
         assert!(out.soc_sd > 0.28 && out.voltage_implausible == bad.is_finite(), "{out:?}");
     }
+}
+
+/// One sample of a hundred is missing, and one of five.
+#[test]
+fn single_missing_samples_are_bridged_and_end_no_rest() {
+    let c = counter(PARAMS, 0.1);
+    let mut s = CoulombState::UNKNOWN;
+    let drop = |s: &mut CoulombState, every: u32, current_a: Real, seconds: u32| {
+        let mut out = c.review(s, Real::NAN);
+        for step in 1..=10 * seconds {
+            let seen = !step.is_multiple_of(every);
+            c.step(s, CoulombInput { current_a: if seen { current_a } else { Real::NAN } });
+            if step.is_multiple_of(10) {
+                out = c.review(s, 3.7);
+            }
+        }
+        out
+    };
+    assert!((drop(&mut s, 100, 0.05, 601).soc - 0.7).abs() < 1e-4);
+    let mut s = CoulombState::known(0.9, 0.0);
+    let out = drop(&mut s, 5, 5.0, 3600);
+    assert!((out.soc - 0.4).abs() < 1e-4 && out.soc_sd < 0.03, "{out:?}");
+    assert!(drop(&mut s, 5, 0.05, 700).soc_sd >= out.soc_sd, "too many for a rest");
+}
+
+#[test]
+fn takes_over_a_capacity_that_was_learnt() {
+    let c = counter(PARAMS, 0.1);
+    let mut s = CoulombState::known(0.9, 0.0);
+    let health = Health {
+        capacity_ah: 8.0,
+        capacity_sd_ah: 0.08,
+        resistance_factor: 1.0,
+        resistance_factor_sd: 0.0,
+    };
+    c.adopt(&mut s, &Health { capacity_sd_ah: 1.0, ..health });
+    c.adopt(&mut s, &Health { capacity_ah: Real::NAN, ..health });
+    assert_eq!(s, CoulombState::known(0.9, 0.0));
+    c.adopt(&mut s, &health);
+    let out = run(&c, &mut s, 4.0, Real::NAN, 3600);
+    assert!((out.soc - 0.4).abs() < 1e-4 && out.soc_sd < 0.01, "{out:?}");
+    run(&c, &mut s, 0.0, 3.7, 700);
+    let again = run(&c, &mut s, 4.0, Real::NAN, 1800);
+    assert!((again.soc - 0.45).abs() < 1e-3, "a rest changes nothing of it: {again:?}");
+}
+
+#[test]
+fn a_pause_is_a_rest_of_which_little_is_known() {
+    let c = counter(PARAMS, 0.1);
+    let mut s = CoulombState::known(0.5, 0.001);
+    c.pause(&mut s, Some(10.0 * 3600.0), 0.01);
+    assert!((c.soc_sd(&s) - 0.01).abs() < 1e-3);
+    assert!(run(&c, &mut s, 0.0, 3.7, 1).anchored, "it has rested");
+    let mut s = CoulombState::known(0.5, 0.001);
+    c.pause(&mut s, None, 0.01);
+    assert!(c.soc_sd(&s) > 0.28 && !run(&c, &mut s, 0.0, 3.7, 1).anchored);
 }
 
 #[test]

@@ -56,7 +56,9 @@ impl Correction {
         noise_v2: Real,
     ) -> EkfOutput {
         state.residual_sum_v += residual_v;
-        state.rise += self.soc_per_v * residual_v;
+        let correction = self.soc_per_v * residual_v;
+        state.rise += correction;
+        state.corrected += correction;
         state.error_v += self.error_gain * residual_v;
         self.shrink(state, noise_v2);
         EkfOutput { residual_v, rejected: false }

@@ -35,9 +35,10 @@
 //!
 //! # What is ours
 //! - **The model's error** is coloured. Its standard deviation follows the load:
-//!   `σ² = σ_ocv² + (ρ·R·Ī)² + σ_pol²` with ρ the relative error of the resistances, Ī the mean
-//!   magnitude of the current over minutes, and `σ_pol` what is left of an unknown polarisation at
-//!   the start. It does not change with time but with charge (the open-circuit curve's error is a
+//!   `σ² = σ_ocv² + (ρ·R·Ī)² + σ_pol² + (R_pol·I_before)² + σ_V² + (M·σ_η)²` with ρ the relative
+//!   error of the resistances, Ī the mean magnitude of the current over minutes, `σ_pol` and
+//!   `I_before` what is left of an unknown polarisation at the start and of the current before it,
+//!   and `σ_V` what a sensor's resolution does alike at rest. It does not change with time but with charge (the open-circuit curve's error is a
 //!   function of the state of charge): at rest nothing is averaged. When σ falls from σ₁ to σ₂ the
 //!   error keeps the share (σ₂/σ₁)², as a sum of independent parts does of which some go; without
 //!   this, changes of the load would seem to tell the state of charge apart from the error.
@@ -48,7 +49,16 @@
 //! - **Where the curve is flat** the voltage corrects nothing. It is still watched: a residual of more
 //!   than three standard deviations says that the battery has left the flat part, and where to.
 //! - **Drift**: offset of the current sensor and error of the capacity, as a random walk that
-//!   reaches their effect after an hour.
+//!   reaches their effect after an hour; where the voltage does not hold it, as the offset that it
+//!   is, which adds up.
+//! - **A slope that changes tells nothing**: it is held for a while, and what was learnt with one
+//!   slope is carried over to the next.
+//! - **Before the start** a third of the capacity in an hour may have flowed: the polarisation that
+//!   this leaves is part of the model's error until the branches have forgotten it.
+//! - **A current that is missing** goes on as it was for some seconds; its error is the same within
+//!   a gap, another one in the next.
+//! - **What contradicts is said**: corrections of the last hour whose sum is more than three standard
+//!   deviations of what it should be, or residuals whose mean square is too large, are not consistent.
 //!
 //! The polarisation is that of the model under the measured current: the branches forget, so what
 //! is wrong in them is part of the model's error.
@@ -61,12 +71,19 @@
 //! `tests/tests/soc.rs` and `voltstep soc --matrix`.
 
 mod correction;
+mod drift;
+mod gap;
 mod params;
+mod pause;
+mod slope;
 mod slow;
+mod start;
 #[cfg(test)]
 mod tests;
+mod trust;
 
 pub use params::{EkfParams, Uncertainty};
+pub use pause::{EkfMemory, Polarisation};
 
 use plant_core::battery::MappedBattery;
 use plant_core::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sqrt};
@@ -75,18 +92,18 @@ use plant_core::{Dt, Model, ParamError, check};
 use crate::Estimate;
 use correction::Correction;
 
+/// The standard deviation of a state of charge of which nothing is known: uniform in 0..1, `1/√12`.
+const UNKNOWN_SD: Real = 0.288_675_13;
 /// A correction of the state of charge beyond this is made with the curve's mean slope over it.
-/// Chosen: a table's point and a half. Measured (as `slow` says): 0.80 % and 1.90 %, 0.81 % and
-/// 1.89 %.
+/// Chosen: a table's point and a half.
 const LARGE_CORRECTION: Real = 0.02;
 /// Slopes that are tried for it. Chosen: each brings the correction nearer; a bound on the cost.
 const CORRECTIONS: u32 = 3;
 /// A residual beyond this many standard deviations is no measurement. Chosen: noise alone goes there
-/// once in 5e8 samples. Measured: 0.81 % and 1.89 %, 0.82 % and 1.89 %.
+/// once in 5e8 samples.
 const OUTLIER: Real = 6.0;
 /// The most that the model's error, and what is left of it, may be in standard deviations. Chosen:
-/// 0.3 % of what is normally distributed lies beyond. Measured: 0.86 % and 1.97 % (half of it leaves
-/// flat parts too early), 0.81 % and 1.89 %.
+/// 0.3 % of what is normally distributed lies beyond.
 const CONSISTENT: Real = 3.0;
 
 /// A Kalman filter for the state of charge, discretised for one step.
@@ -148,6 +165,8 @@ pub struct EkfState {
     pub error_variance_v2: Real,
     /// What the current sensor shows when no current flows \[A\].
     pub current_offset_a: Real,
+    /// What an ampere takes in a step.
+    soc_per_a: Real,
     series_ohm: Real,
     /// The resistances of the branches times the gains of a step \[Ω\].
     branch_ohm: [Real; 2],
@@ -164,6 +183,10 @@ pub struct EkfState {
     load_sum_a: Real,
     /// Measured less expected voltage, summed likewise \[V\].
     residual_sum_v: Real,
+    /// The last measured current \[A\].
+    last_a: Real,
+    /// What the voltage has added to the state of charge since the last refresh.
+    corrected: Real,
     steps_left: u32,
     slow: slow::Slow,
 }
@@ -267,8 +290,9 @@ impl Ekf {
             return self.miss(state, current_a);
         }
         state.load_sum_a += magnitude_a;
+        state.last_a = current_a;
         let current_a = current_a - state.current_offset_a;
-        state.rise -= current_a * self.soc_per_a;
+        state.rise -= current_a * state.soc_per_a;
         let [fast_v, slow_v] = self.polarise(state, current_a);
         let drop_v = state.series_ohm * current_a + fast_v + slow_v;
         let open_circuit_v = state.open_circuit_v + state.tangent_v * state.rise;
@@ -323,18 +347,23 @@ impl Ekf {
                 break;
             }
             let slope = (self.open_circuit(soc + change).0 - open_circuit_v) / change;
-            correction = Correction::new(state, slope, noise_v2);
+            let mut there = *state;
+            self.change_slope(&mut there, slope, true);
+            correction = Correction::new(&there, slope, noise_v2);
         }
         state.residual_sum_v += residual_v;
         if residual_v * residual_v * correction.per_total > OUTLIER * OUTLIER {
             self.distrust(state);
         } else if correction.soc_per_v >= 0.0 {
             state.rise += correction.soc_per_v * residual_v;
+            state.corrected += correction.soc_per_v * residual_v;
             state.error_v += correction.error_gain * residual_v;
             self.follow_curve(state);
             // What is learnt is less than the mean slope says where the curve is flatter nearby.
             let slope_v = min(state.slope_v, correction.slope_v);
+            self.change_slope(state, slope_v, true);
             Correction::new(state, slope_v, noise_v2).shrink(state, noise_v2);
+            state.slow.slope.release();
         }
         EkfOutput { residual_v, rejected: false }
     }
@@ -360,7 +389,9 @@ impl Ekf {
         let sd = self.params.converged_sd;
         EkfStatus {
             converged: state.variance() < sd * sd,
-            consistent: state.error_v.abs() <= most_v && state.slow.residual_v.abs() <= most_v,
+            consistent: state.error_v.abs() <= most_v
+                && state.slow.residual_v.abs() <= most_v
+                && state.slow.trust.is_earned(),
             flat: self.is_flat(state),
             outside_identified: !self.params.battery.identified.holds(soc, temperature_c),
             temperature_missing: state.slow.temperature_missing,

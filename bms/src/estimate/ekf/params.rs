@@ -24,6 +24,9 @@ pub struct Uncertainty {
     pub capacity_sd: Real,
     /// Of the current sensor's offset \[A\], ≥ 0.
     pub current_offset_sd_a: Real,
+    /// Of the current that flows while nothing is measured, the contactors open \[A\], ≥ 0:
+    /// stand-by draw, self-discharge.
+    pub standby_sd_a: Real,
     /// Of one voltage sample \[V\], noise and resolution, above zero.
     pub voltage_sd_v: Real,
     /// Of the polarisation at a start that is not rested \[V\], ≥ 0.
@@ -38,11 +41,12 @@ pub struct Uncertainty {
 
 impl Uncertainty {
     /// What fits a battery identified from drive cycles, with sensors of a production car: 10 mV a
-    /// cell, 20 % of the resistance (25 % at 0 °C), 3 % of the capacity, an offset of C/100.
+    /// cell, 20 % of the resistance (25 % at 0 °C), 3 % of the capacity, an offset of C/100,
+    /// C/3000 in stand-by.
     ///
     /// All are chosen. 10 mV make 1 % of charge where the curve rises by 1 V over the whole charge;
     /// 500 K make 30 % of the resistance at −10 °C; an offset of C/100 makes 1 % of charge in an
-    /// hour; 5 % of charge are some three points of the curve's table.
+    /// hour; C/3000 makes 0.8 % in a day; 5 % of charge are some three points of the curve's table.
     ///
     /// `nominal_v` is the voltage at half charge \[V\], of the cell or the pack.
     #[must_use]
@@ -54,6 +58,7 @@ impl Uncertainty {
             activation_sd_k: 500.0,
             capacity_sd: 0.03,
             current_offset_sd_a: 0.01 * capacity_ah,
+            standby_sd_a: capacity_ah / 3000.0,
             voltage_sd_v: 0.003 * cells,
             polarisation_sd_v: 0.010 * cells,
             correlation_soc: 0.05,
@@ -67,6 +72,7 @@ impl Uncertainty {
         check!(not_negative("ekf.uncertainty.activation_sd_k", self.activation_sd_k));
         check!(not_negative("ekf.uncertainty.capacity_sd", self.capacity_sd));
         check!(not_negative("ekf.uncertainty.current_offset_sd_a", self.current_offset_sd_a));
+        check!(not_negative("ekf.uncertainty.standby_sd_a", self.standby_sd_a));
         check!(positive("ekf.uncertainty.voltage_sd_v", self.voltage_sd_v));
         check!(not_negative("ekf.uncertainty.polarisation_sd_v", self.polarisation_sd_v));
         check!(positive("ekf.uncertainty.correlation_soc", self.correlation_soc));

@@ -51,7 +51,7 @@ fn finds_the_state_of_charge_from_a_wrong_start() {
             assert!(error.abs() <= 3.0 * sd, "{start} told {told}, {second} s: {error} ± {sd}");
         }
         let [error, sd] = run[300];
-        assert!(error.abs() < 0.02 && sd < 0.03, "{start} told {told}: {error} ± {sd}");
+        assert!(error.abs() < 0.02 && sd < 0.035, "{start} told {told}: {error} ± {sd}");
     }
 }
 
@@ -89,6 +89,170 @@ fn rest_does_not_make_it_sure() {
     assert!((estimate.soc - 0.5).abs() < 0.01);
 }
 
+/// The cell loses charge that the ammeter does not see: half of what is known of its offset and a
+/// tenth, at one and ten samples a second.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn a_drain_that_is_not_seen_stays_within_what_is_claimed() {
+    for (dt_s, hours) in [(1.0, 60), (0.1, 20)] {
+        let ekf = Ekf::new(PARAMS, Dt::from_s(dt_s).unwrap()).unwrap();
+        for (start, drain_a) in [(0.9, 0.005), (0.6, 0.015), (0.6, 0.003)] {
+            let mut state = ekf.start(start, 0.02, 25.0).unwrap();
+            for step in 0..hours * (3600.0 / dt_s) as u32 {
+                let soc = start - drain_a * dt_s * step as Real / 3600.0 / 2.968;
+                let voltage_v = PANASONIC_NCR18650PF.open_circuit.at(soc)
+                    + if step % 2 == 0 { 1e-3 } else { -1e-3 };
+                ekf.step(
+                    &mut state,
+                    EkfInput {
+                        current_a: 0.0,
+                        voltage_v,
+                        temperature_c: 25.0,
+                        contactors_open: false,
+                    },
+                );
+                let Estimate { soc: told, soc_sd, .. } = ekf.estimate(&state);
+                assert!((told - soc).abs() <= 2.0 * soc_sd, "{step}: {told} ± {soc_sd} for {soc}");
+            }
+            // A cell whose curve is known to 10 mV and rises by at most 1.3 V.
+            assert!(ekf.estimate(&state).soc_sd > 0.6 * 0.010 / 1.3);
+        }
+    }
+}
+
+/// Two amperes for 25 minutes in the cold, a reset, and the load is gone.
+#[test]
+fn a_reset_while_polarised_is_within_what_is_claimed() {
+    for celsius in [25.0, 0.0, -10.0] {
+        let mut cell = CELL.rested_at(0.9, celsius).unwrap();
+        for _ in 0..1500 {
+            CELL.step(&mut cell, MappedBatteryInput { current_a: 2.0 });
+        }
+        let mut state = EKF.start(cell.soc.get(), 0.05, celsius).unwrap();
+        for second in 0..3600 {
+            EKF.step(&mut state, EkfInput { temperature_c: celsius, ..sample(&mut cell, 0.0) });
+            let Estimate { soc, soc_sd, .. } = EKF.estimate(&state);
+            let error = soc - cell.soc.get();
+            assert!(error.abs() <= 3.0 * soc_sd, "{celsius} °C, {second} s: {error} ± {soc_sd}");
+        }
+    }
+}
+
+/// Driven, put to sleep for some time, woken from what was remembered: as if it had run on.
+#[test]
+fn what_is_remembered_is_aged_by_the_time_off() {
+    let mut cell = CELL.rested(0.9).unwrap();
+    let mut state = EKF.start(0.9, 0.01, 25.0).unwrap();
+    for second in 0..1500 {
+        EKF.step(&mut state, sample(&mut cell, 2.0 + load_a(second)));
+    }
+    let memory = EKF.remember(&state);
+    for minutes in [1_u16, 30, 600] {
+        let (mut cell, mut awake) = (cell, state);
+        for _ in 0..60 * minutes {
+            EKF.step(&mut awake, sample(&mut cell, 0.0));
+        }
+        let seconds = 60.0 * Real::from(minutes);
+        let mut woken = EKF.resume(memory, Some(seconds), 25.0).unwrap();
+        for (told, known) in woken.polarisation_v.iter().zip(awake.polarisation_v) {
+            assert!((told - known).abs() < 1e-3, "{minutes}: {woken:?}");
+        }
+        assert!(woken.soc() == memory.soc && woken.variance() >= memory.soc_sd * memory.soc_sd);
+        for _ in 0..600 {
+            EKF.step(&mut woken, sample(&mut cell, 0.0));
+            let Estimate { soc, soc_sd, .. } = EKF.estimate(&woken);
+            assert!((soc - cell.soc.get()).abs() <= 2.0 * soc_sd, "{minutes}: {soc} ± {soc_sd}");
+        }
+        let rested = EKF.resume(memory, Some(seconds), 25.0).unwrap();
+        let unknown = EKF.resume(memory, None, 25.0).unwrap();
+        assert!(unknown.variance() > rested.variance());
+    }
+    // A month of stand-by is a quarter of the capacity, one standard deviation.
+    let month = EKF.resume(memory, Some(30.0 * 86_400.0), 25.0).unwrap();
+    assert!((0.2..0.3).contains(&EKF.estimate(&month).soc_sd));
+    for bad in [Real::NAN, -1.0, Real::INFINITY] {
+        let mut other = state;
+        EKF.pause(&mut other, Some(bad));
+        let mut none = state;
+        EKF.pause(&mut none, None);
+        assert_eq!(other, none, "no time is an unknown one");
+        let wrong = EkfMemory { soc: bad, ..memory };
+        assert_eq!(EKF.resume(wrong, None, 25.0).unwrap_err().field(), "soc");
+        let polarisation = Some(Polarisation { load_a: bad, ..Polarisation::NONE });
+        let wrong = EkfMemory { polarisation, ..memory };
+        let refused = EKF.resume(wrong, None, 25.0).unwrap_err();
+        assert_eq!(refused.field(), "polarisation.load_a");
+    }
+}
+
+/// A cell with four fifths of the capacity and nearly twice the resistance, told and not told.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn takes_over_what_was_learnt_of_the_health() {
+    use crate::Health;
+    let health = Health {
+        capacity_ah: 0.8 * 2.968,
+        capacity_sd_ah: 0.03,
+        resistance_factor: 1.8,
+        resistance_factor_sd: 0.05,
+    };
+    let error = |told: Option<Health>| {
+        let mut cell = CELL.rested(0.9).unwrap();
+        let mut state = EKF.start(0.9, 0.01, 25.0).unwrap();
+        if let Some(health) = told {
+            EKF.adopt(&mut state, &health);
+        }
+        let (mut soc, mut worst) = (0.9, 0.0);
+        for second in 0..3600 {
+            let current_a = load_a(second);
+            let out = CELL.step(&mut cell, MappedBatteryInput { current_a });
+            soc -= current_a / (3600.0 * health.capacity_ah);
+            // The voltage of the aged cell at its own state of charge.
+            let over_v = CELL.open_circuit().at(cell.soc.get()) - out.terminal_v;
+            let input = EkfInput {
+                current_a,
+                voltage_v: CELL.open_circuit().at(soc) - 1.8 * over_v,
+                temperature_c: 25.0,
+                contactors_open: false,
+            };
+            EKF.step(&mut state, input);
+            worst = max(worst, (state.soc() - soc).abs());
+        }
+        (worst, state)
+    };
+    let (told, knows) = error(Some(health));
+    let (untold, new) = error(None);
+    assert!(told < 0.01 && untold > 2.0 * told, "{told} {untold}");
+    assert!(knows.variance() < new.variance());
+    // What is not known better than was declared is not taken, nor is what is none.
+    let vague = Health { capacity_sd_ah: 0.5, resistance_factor_sd: 1.0, ..health };
+    let none = Health { capacity_ah: Real::NAN, resistance_factor: -1.0, ..health };
+    for useless in [vague, none] {
+        let mut state = new;
+        EKF.adopt(&mut state, &useless);
+        assert_eq!(state, new);
+    }
+}
+
+/// One sample of five is missing. The truth is known all along: so it is afterwards.
+#[test]
+fn isolated_dropouts_are_bridged() {
+    let mut cell = CELL.rested(0.9).unwrap();
+    let (mut state, mut whole) =
+        (EKF.start(0.9, 0.01, 25.0).unwrap(), EKF.start(0.9, 0.01, 25.0).unwrap());
+    for second in 0..3600 {
+        let mut input = sample(&mut cell, load_a(second));
+        EKF.step(&mut whole, input);
+        if second % 5 == 0 {
+            (input.current_a, input.voltage_v) = (Real::NAN, Real::NAN);
+        }
+        EKF.step(&mut state, input);
+    }
+    let (with, without) = (EKF.estimate(&state), EKF.estimate(&whole));
+    assert!((with.soc - without.soc).abs() < 0.01, "{with:?} {without:?}");
+    assert!(with.soc_sd < 1.5 * without.soc_sd, "{with:?} {without:?}");
+}
+
 #[test]
 fn bad_samples_hold_the_estimate_and_cost_confidence() {
     let mut cell = CELL.rested(0.7).unwrap();
@@ -105,7 +269,7 @@ fn bad_samples_hold_the_estimate_and_cost_confidence() {
             assert!(out.rejected);
         }
         let held = EKF.estimate(&state);
-        assert!((held.soc - before.soc).abs() < 1e-6, "{bad}: {} {}", held.soc, before.soc);
+        assert!((held.soc - before.soc).abs() < 1e-3, "{bad}: {} {}", held.soc, before.soc);
         assert!(held.soc_sd > before.soc_sd, "{bad}");
         // Without a voltage the charge is still counted.
         let mut state = good;
@@ -237,6 +401,7 @@ fn refuses_each_bad_field_by_name() {
             bad(&|p| p.uncertainty.current_offset_sd_a = value),
             "ekf.uncertainty.current_offset_sd_a"
         );
+        assert_eq!(bad(&|p| p.uncertainty.standby_sd_a = value), "ekf.uncertainty.standby_sd_a");
         assert_eq!(bad(&|p| p.uncertainty.voltage_sd_v = value), "ekf.uncertainty.voltage_sd_v");
         assert_eq!(
             bad(&|p| p.uncertainty.polarisation_sd_v = value),

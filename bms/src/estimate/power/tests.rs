@@ -12,7 +12,7 @@ const PARAMS: PowerParams = PowerParams {
     voltage_max_v: 4.2,
     soc_min: 0.05,
     soc_max: 0.98,
-    soc_margin_sds: 2.0,
+    margin_sds: 2.0,
     horizons_s: HORIZONS_S,
     discharge_window: TemperatureWindow {
         none_below_c: -30.0,
@@ -207,7 +207,7 @@ fn refuses_each_bad_field_by_name() {
             (PowerParams { voltage_max_v: bad, ..PARAMS }, "power.voltage_max_v"),
             (PowerParams { soc_min: bad, ..PARAMS }, "power.soc_min"),
             (PowerParams { soc_max: bad, ..PARAMS }, "power.soc_max"),
-            (PowerParams { soc_margin_sds: bad, ..PARAMS }, "power.soc_margin_sds"),
+            (PowerParams { margin_sds: bad, ..PARAMS }, "power.margin_sds"),
             (PowerParams { horizons_s: [bad, 10.0, 30.0], ..PARAMS }, "power.horizons_s"),
             (PowerParams { horizons_s: [2.0, bad, 30.0], ..PARAMS }, "power.horizons_s"),
             (PowerParams { horizons_s: [2.0, 10.0, bad], ..PARAMS }, "power.horizons_s"),
@@ -232,4 +232,41 @@ fn refuses_each_bad_field_by_name() {
         PowerLimits::new(PowerParams { discharge_window: hot, ..PARAMS }, &CELL),
         Err(ParamError::NotFinite("power.discharge_window.none_above_c"))
     );
+}
+
+#[test]
+fn a_walk_comes_to_what_is_ahead() {
+    let estimate = Estimate { soc_sd: 0.01, ..at(0.3, -5.0) };
+    let health = Health { resistance_factor_sd: 0.1, ..Health::as_new(&CELL) };
+    let mut walk = PowerWalk::default();
+    for _ in 0..2 {
+        for _ in 0..2 * HORIZONS - 1 {
+            assert_eq!(LIMITS.walk(&mut walk, &estimate, &health), None);
+        }
+        let found = LIMITS.walk(&mut walk, &estimate, &health).unwrap();
+        assert_eq!(found, LIMITS.ahead(&estimate, &health));
+    }
+}
+
+/// A cell whose resistance is two standard deviations more, and whose state of charge is as much
+/// less than believed, keeps its limit; without a margin it does not.
+#[test]
+fn doubt_about_resistance_and_charge_keeps_the_voltage() {
+    let (soc, soc_sd, factor_sd) = (0.3, 0.02, 0.1);
+    let truth_soc = soc - 2.0 * soc_sd;
+    let curve = CELL.open_circuit();
+    // What the terminals show now is known.
+    let truth = Estimate { offset_v: curve.at(soc) - curve.at(truth_soc), ..at(truth_soc, -5.0) };
+    let as_it_is = Health { resistance_factor: 1.0 + 2.0 * factor_sd, ..Health::as_new(&CELL) };
+    let believed = Estimate { soc_sd, ..at(soc, -5.0) };
+    let health = Health { resistance_factor_sd: factor_sd, ..Health::as_new(&CELL) };
+    let bold = PowerLimits::new(PowerParams { margin_sds: 0.0, ..PARAMS }, &CELL).unwrap();
+    for (limits, keeps) in [(LIMITS, true), (bold, false)] {
+        let [_, ten, _] = limits.ahead(&believed, &health);
+        let [_, most, _] = bold.ahead(&truth, &as_it_is);
+        assert_eq!(ten.discharge.bound_by, BoundBy::Voltage);
+        let within = ten.discharge.current_a <= 1.001 * most.discharge.current_a;
+        assert_eq!(within, keeps, "{ten:?} {most:?}");
+        assert!(ten.discharge.current_a > 0.7 * most.discharge.current_a);
+    }
 }

@@ -2,7 +2,7 @@
 //! \[Plett2011, section 6\].
 //!
 //! The scaling from the sums themselves, Newton's method in a bracket instead of the quartic's
-//! roots, and what is taken of outliers are ours.
+//! roots, and what is taken of outliers and contradictions are ours.
 //!
 //! Tests: `tests` below; `tests/tests/bms_soh.rs`.
 
@@ -19,6 +19,9 @@ const SMALLEST_RATIO: Real = 0.2;
 /// Capacities outside this share of the nominal one are not believed. Chosen: more is a wrong
 /// nominal value.
 const LARGEST_RATIO: Real = 2.0;
+/// A pair further off than this many standard deviations contradicts what is known. Chosen: noise
+/// alone goes there once in 16,000 pairs.
+const CONTRADICTION_SDS: Real = 4.0;
 /// Newton steps and bisections; 24 bisections alone leave less than a millionth. With 6 an end of
 /// the range is found as 1.9999 for 2.
 const ROUNDS: u32 = 24;
@@ -61,7 +64,10 @@ pub struct CapacityParams {
 /// found between the two ordinary least-squares solutions, which enclose it, by Newton's method in
 /// a bracket, in at most 24 rounds.
 ///
-/// A pair further off than three standard deviations counts as if it were as uncertain as that.
+/// A pair further off than three standard deviations counts as if it were as uncertain as that. One
+/// that is off by more than four contradicts: it is kept aside, makes the result less sure, and is
+/// learnt only together with a second one that agrees with it. A pair that agrees with what is known
+/// clears it.
 ///
 /// The state of charge must not come from the charge counted: at rest from the open-circuit
 /// voltage, or from a filter that has seen enough voltage to forget what it counted, with a
@@ -124,6 +130,33 @@ pub struct CapacityState {
     /// As a share of the nominal.
     ratio: Real,
     variance: Real,
+    /// A pair that contradicts, and waits for another one.
+    suspect: Option<Pair>,
+}
+
+/// Change of the state of charge, charge as a share of the nominal capacity, and their variances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Pair {
+    x: Real,
+    y: Real,
+    x_variance: Real,
+    y_variance: Real,
+}
+
+impl Pair {
+    /// The variance of its capacity, as a share of the nominal one squared.
+    fn variance(&self) -> Real {
+        let ratio = self.y / self.x;
+        (ratio * ratio * self.x_variance + self.y_variance) / (self.x * self.x)
+    }
+
+    /// How far its capacity is from another one with this variance, in standard deviations,
+    /// squared.
+    fn square(&self, ratio: Real, variance: Real) -> Real {
+        let off = self.y / self.x - ratio;
+        off * off / (self.variance() + variance)
+    }
 }
 
 /// Input of a [`CapacityEstimator`]: two instants, and what flowed between them.
@@ -149,6 +182,8 @@ pub struct CapacityOutput {
     pub capacity_sd_ah: Real,
     /// This pair changed it.
     pub learned: bool,
+    /// The last pair contradicts what was known; the standard deviation reaches to it.
+    pub contradicted: bool,
     /// The input was not finite or absurd; nothing changed.
     pub rejected: bool,
 }
@@ -159,7 +194,7 @@ impl CapacityState {
     const fn at(ratio: Real, weight: Real) -> Self {
         let mut sums = Sums { c: [0.0; 6] };
         sums.add(1.0, ratio, weight, weight * ratio * ratio);
-        Self { sums, ratio, variance: 2.0 / weight }
+        Self { sums, ratio, variance: 2.0 / weight, suspect: None }
     }
 }
 
@@ -238,27 +273,55 @@ impl CapacityEstimator {
                 + SMALLEST_VARIANCE;
             // The sign of both, so that a charge counts as a discharge does.
             let direction = if soc_change < 0.0 { -1.0 } else { 1.0 };
-            learned = self.learn(
-                state,
-                (direction * soc_change, soc_variance + SMALLEST_VARIANCE),
-                (direction * charge, charge_variance),
-            );
+            let pair = Pair {
+                x: direction * soc_change,
+                y: direction * charge,
+                x_variance: soc_variance + SMALLEST_VARIANCE,
+                y_variance: charge_variance,
+            };
+            learned = self.judge(state, pair);
         }
-        let variance = state.variance + self.gain_variance * state.ratio * state.ratio;
+        let mut variance = state.variance + self.gain_variance * state.ratio * state.ratio;
+        if let Some(suspect) = state.suspect {
+            let off = clamp(suspect.y / suspect.x, 0.0, LARGEST_RATIO) - state.ratio;
+            variance = max(variance, off * off / (OUTLIER_SDS * OUTLIER_SDS));
+        }
         CapacityOutput {
             capacity_ah: self.nominal_ah * state.ratio,
             capacity_sd_ah: self.nominal_ah * sqrt(variance),
             learned,
+            contradicted: state.suspect.is_some(),
             rejected,
         }
     }
 
-    fn learn(
-        &self,
-        state: &mut CapacityState,
-        (x, x_variance): (Real, Real),
-        (y, y_variance): (Real, Real),
-    ) -> bool {
+    /// Learns a pair, or keeps it aside; whether it was learnt.
+    fn judge(&self, state: &mut CapacityState, pair: Pair) -> bool {
+        let ratio = pair.y / pair.x;
+        if pair.square(state.ratio, state.variance) <= CONTRADICTION_SDS * CONTRADICTION_SDS {
+            state.suspect = None;
+            return self.learn(state, pair);
+        }
+        let before = state.suspect.replace(pair);
+        let possible = (SMALLEST_RATIO..=LARGEST_RATIO).contains(&ratio);
+        match before {
+            Some(other)
+                if possible
+                    && pair.square(other.y / other.x, other.variance())
+                        <= OUTLIER_SDS * OUTLIER_SDS =>
+            {
+                // Two that agree: the capacity is another one.
+                let off = ratio - state.ratio;
+                state.suspect = None;
+                *state = CapacityState::at(state.ratio, 2.0 / max(state.variance, off * off));
+                self.learn(state, other) && self.learn(state, pair)
+            }
+            _ => false,
+        }
+    }
+
+    fn learn(&self, state: &mut CapacityState, pair: Pair) -> bool {
+        let Pair { x, y, x_variance, y_variance } = pair;
         let off = y - state.ratio * x;
         let spread = state.ratio * state.ratio * x_variance + y_variance + state.variance * x * x;
         let trust = min(1.0, OUTLIER_SDS * OUTLIER_SDS * spread / (off * off));
@@ -266,7 +329,7 @@ impl CapacityEstimator {
         sums.fade(self.fade);
         sums.add(x, y, trust / y_variance, trust / x_variance);
         let Some((ratio, variance)) = sums.solve() else { return false };
-        *state = CapacityState { sums, ratio, variance };
+        *state = CapacityState { sums, ratio, variance, suspect: None };
         true
     }
 }

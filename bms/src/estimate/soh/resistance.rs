@@ -6,7 +6,7 @@
 //! Tests: `tests` below; `tests/tests/bms_soh.rs`.
 
 use plant_core::battery::{MappedBattery, Resistances};
-use plant_core::error::{check, positive};
+use plant_core::error::{check, not_negative, positive};
 use plant_core::num::{clamp, lag_gain, max, min, sane, sqrt};
 use plant_core::{Accum, Dt, ParamError, Real};
 
@@ -18,6 +18,13 @@ const SMALLEST_FACTOR: Real = 0.2;
 /// Factors outside are not believed. Chosen: more is a bad contact, not age.
 const LARGEST_FACTOR: Real = 10.0;
 
+/// What voltage and current are apart in time may make up this share of a step to learn from. Chosen.
+const SKEW_SHARE: Real = 0.1;
+/// What no number of steps averages out where the sensors are out of step, as a share of the factor.
+/// Chosen.
+const SYSTEMATIC: Real = 0.01;
+/// The longest pair to learn from, in samples. Chosen: over 20 the open-circuit voltage hardly moves.
+const LONGEST_PAIR: u32 = 20;
 /// A single residual's square over what was expected counts up to this. Chosen:
 /// 32 standard deviations; with 3 the factor seems known where the readings are worse than promised.
 const MOST_MISFIT: Real = 1000.0;
@@ -41,12 +48,17 @@ pub struct ResistanceParams {
     pub memory_steps: Real,
     /// Standard deviation of the factor before anything was learnt, above zero.
     pub initial_sd: Real,
+    /// Voltage and current of a sample may be so far apart in time \[s\], ≥ 0. With 0, two
+    /// samples one after the other are a pair; otherwise one ends and begins only where the current
+    /// is steady for as long as this needs, and from a current that changes at every sample nothing
+    /// is learnt.
+    pub skew_s: Real,
 }
 
 /// The factor by which a battery's resistances exceed those of its parameters.
 ///
-/// Between two samples the open-circuit voltage stays nearly the same and what moves slowly drops
-/// out:
+/// Between two samples, few steps apart, the open-circuit voltage stays nearly the same and what
+/// moves slowly drops out:
 /// `−ΔV = f·Δη + noise`, η the overpotential `R0·I + v1 + v2` that the battery of the parameters
 /// would show under the same current, at the same state of charge and temperature; so neither of
 /// the two is in the factor. Recursive least squares with forgetting \[Ljung1999, eq. 11.12\]:
@@ -73,6 +85,7 @@ pub struct ResistanceParams {
 ///     least_step_a: 0.3,
 ///     memory_steps: 500.0,
 ///     initial_sd: 0.5,
+///     skew_s: 0.0,
 /// };
 /// const ESTIMATOR: ResistanceEstimator = must!(ResistanceEstimator::new(PARAMS, &BATTERY, DT));
 ///
@@ -99,6 +112,8 @@ pub struct ResistanceEstimator<'b> {
     least_step_a: Real,
     per_memory: Real,
     largest_variance: Real,
+    /// The skew in samples, over the share of a step that it may make up.
+    skew_per_step: Real,
 }
 
 /// The state of a [`ResistanceEstimator`]; [`ResistanceEstimator::unknown`] and
@@ -114,7 +129,13 @@ pub struct ResistanceState {
     polarisation_v: [Accum; 2],
     resistances: Resistances,
     steps_left: u32,
-    last: Option<Sample>,
+    /// The last sample, and by how much the current changed up to it \[A\].
+    last: Option<(Sample, Real)>,
+    /// Where a pair begins, and how restless the current was there \[A\].
+    reference: Option<(Sample, Real)>,
+    /// Since then: the currents' sum \[A\], and the samples.
+    passed_a: Real,
+    passed: u32,
 }
 
 /// What the next sample is compared with.
@@ -147,6 +168,9 @@ pub struct ResistanceOutput {
     pub factor_sd: Real,
     /// This sample changed it.
     pub learned: bool,
+    /// The factor lies at the end of what is believed, 0.2 or 10: the readings are out of step, or
+    /// not of this battery. Its standard deviation is then that of an unknown one.
+    pub at_bound: bool,
     /// The input was not finite or absurd; the factor is unchanged, and what comes next is not
     /// compared with this sample.
     pub rejected: bool,
@@ -170,6 +194,7 @@ impl<'b> ResistanceEstimator<'b> {
             return Err(ParamError::NotAbove("resistance.memory_steps"));
         }
         let initial_sd = check!(positive("resistance.initial_sd", params.initial_sd));
+        let skew_s = check!(not_negative("resistance.skew_s", params.skew_s));
         let known = battery.params();
         #[expect(
             clippy::cast_possible_truncation,
@@ -190,6 +215,7 @@ impl<'b> ResistanceEstimator<'b> {
             least_step_a: check!(positive("resistance.least_step_a", params.least_step_a)),
             per_memory: 1.0 / memory,
             largest_variance: initial_sd * initial_sd,
+            skew_per_step: skew_s / dt.s() / SKEW_SHARE,
         })
     }
 
@@ -204,6 +230,9 @@ impl<'b> ResistanceEstimator<'b> {
             resistances: Resistances { series_ohm: 0.0, polarisation_ohm: [0.0; 2] },
             steps_left: 0,
             last: None,
+            reference: None,
+            passed_a: 0.0,
+            passed: 0,
         }
     }
 
@@ -227,27 +256,55 @@ impl<'b> ResistanceEstimator<'b> {
         let rejected = !sane(magnitude);
         let mut learned = false;
         if rejected {
-            state.last = None;
+            (state.last, state.reference) = (None, None);
         } else {
             let sample = self.follow(state, input);
-            if let Some(last) = state.last.replace(sample)
-                && (sample.current_a - last.current_a).abs() >= self.least_step_a
+            learned = self.pair(state, sample, soc, celsius);
+        }
+        let at_bound = state.factor <= SMALLEST_FACTOR || state.factor >= LARGEST_FACTOR;
+        let variance = if at_bound { self.largest_variance } else { state.variance };
+        let systematic = if self.skew_per_step > 0.0 { SYSTEMATIC * state.factor } else { 0.0 };
+        ResistanceOutput {
+            factor: state.factor,
+            factor_sd: sqrt(variance * max(1.0, state.misfit) + systematic * systematic),
+            learned,
+            at_bound,
+            rejected,
+        }
+    }
+
+    /// Ends a pair at this sample where it tells something; whether it did. What the current
+    /// changed by around either end is, times the skew, what the voltage may not belong to.
+    fn pair(&self, state: &mut ResistanceState, sample: Sample, soc: Real, celsius: Real) -> bool {
+        let (changed_a, before_a) = match state.last {
+            Some((last, before_a)) => ((sample.current_a - last.current_a).abs(), before_a),
+            None => (0.0, 0.0),
+        };
+        state.last = Some((sample, changed_a));
+        let restless_a = self.skew_per_step * max(changed_a, before_a);
+        state.passed_a += sample.current_a;
+        state.passed += 1;
+        let mut learned = false;
+        if let Some((reference, then_a)) = state.reference {
+            let step_a = (sample.current_a - reference.current_a).abs();
+            if step_a >= self.least_step_a
+                && restless_a + then_a <= step_a
                 && self.battery.params().identified.holds(soc, celsius)
             {
                 // What the open-circuit voltage itself moves between the two.
                 let (_, slope_v) = self.battery.open_circuit().with_slope(soc);
-                let drift_v = slope_v * self.soc_per_a * sample.current_a;
-                let drop_v = last.voltage_v - sample.voltage_v - drift_v;
-                self.learn(state, sample.overpotential_v - last.overpotential_v, drop_v);
+                let drift_v = slope_v * self.soc_per_a * state.passed_a;
+                let drop_v = reference.voltage_v - sample.voltage_v - drift_v;
+                self.learn(state, sample.overpotential_v - reference.overpotential_v, drop_v);
                 learned = true;
             }
         }
-        ResistanceOutput {
-            factor: state.factor,
-            factor_sd: sqrt(state.variance * max(1.0, state.misfit)),
-            learned,
-            rejected,
+        let steadier = state.reference.is_none_or(|(_, then_a)| restless_a <= then_a);
+        if learned || steadier || state.passed >= LONGEST_PAIR {
+            state.reference = Some((sample, restless_a));
+            (state.passed_a, state.passed) = (0.0, 0);
         }
+        learned
     }
 
     /// The battery of the parameters under the same current.

@@ -15,6 +15,9 @@ const START_SD: f64 = 0.01;
 /// After this long without current the voltage is that of a rested battery \[s\].
 const REST_S: f32 = 1800.0;
 
+/// A test bench waits at least this long before a drive cycle \[s\].
+const RESTED_S: f32 = 3600.0;
+
 /// What is wrong: start, sensors, parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Case {
@@ -137,6 +140,9 @@ pub fn ekf(battery: &BatteryFile, samples: &Samples, case: &Case) -> anyhow::Res
     let (soc, sd) = case.start(samples);
     let mut state =
         filter.start(soc as f32, sd as f32, first(&samples.temperature_c, 25.0) as f32)?;
+    if samples.starts_rested {
+        filter.pause(&mut state, Some(RESTED_S));
+    }
     let mut noise = Noise::new(case, f64::from(battery.battery.capacity_ah));
     Ok((0..samples.soc.len())
         .map(|i| {

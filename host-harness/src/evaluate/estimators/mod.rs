@@ -2,6 +2,7 @@
 
 mod case;
 mod figures;
+pub mod honesty;
 mod report;
 mod samples;
 

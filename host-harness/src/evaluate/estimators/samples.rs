@@ -21,6 +21,8 @@ pub struct Samples {
     pub temperature_c: Vec<f64>,
     /// The state of charge to compare with, 0..1.
     pub soc: Vec<f64>,
+    /// It begins with a battery that has rested: a test bench waits for that, a driver does not.
+    pub starts_rested: bool,
     /// What the reader should know.
     pub notes: Vec<String>,
 }
@@ -60,6 +62,7 @@ pub fn sampled(
         voltage_v: Vec::with_capacity(count),
         temperature_c: Vec::with_capacity(count),
         soc: Vec::with_capacity(count),
+        starts_rested: matches!(measured, Measurement::Cell(_)),
         notes,
     };
     let mut reader = Reader { time_s, at: 0 };

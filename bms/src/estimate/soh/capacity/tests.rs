@@ -59,6 +59,45 @@ fn exact_pairs_give_the_exact_capacity_charged_or_discharged() {
     }
 }
 
+/// Whatever one pair says: a wrong state of charge, a count that was reset, a current with the wrong
+/// sign.
+#[test]
+fn one_pair_that_contradicts_is_flagged_and_never_wins() {
+    for wrong_ah in [0.0, -2.0, 0.4, 4.5, 10.0] {
+        let mut state = ESTIMATOR.unknown();
+        for _ in 0..5 {
+            ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, 0.8 * 2.5));
+        }
+        let out = ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, wrong_ah));
+        assert!(out.contradicted && !out.learned, "{wrong_ah}: {out:?}");
+        assert!((out.capacity_ah - 2.5).abs() < 0.05 && out.capacity_sd_ah > 0.1, "{out:?}");
+        let out = ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, 0.8 * 2.5));
+        assert!(out.learned && !out.contradicted && out.capacity_sd_ah < 0.05, "{out:?}");
+        // As the first pair of all, too.
+        let out = ESTIMATOR.step(&mut ESTIMATOR.unknown(), pair(0.9, 0.1, 0.005, wrong_ah));
+        assert!(out.contradicted && out.capacity_ah == 3.0, "{out:?}");
+        assert!(out.capacity_sd_ah >= 0.5, "{out:?}");
+    }
+}
+
+#[test]
+fn two_that_agree_win_and_the_impossible_never_does() {
+    let mut state = ESTIMATOR.unknown();
+    for _ in 0..5 {
+        ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, 0.8 * 2.9));
+    }
+    ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, 0.8 * 2.2));
+    let out = ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, 0.8 * 2.2));
+    assert!(out.learned && !out.contradicted, "{out:?}");
+    assert!((out.capacity_ah - 2.2).abs() <= 3.0 * out.capacity_sd_ah, "{out:?}");
+    assert!((out.capacity_ah - 2.2).abs() < 0.1, "{out:?}");
+    let mut state = ESTIMATOR.unknown();
+    for _ in 0..8 {
+        let out = ESTIMATOR.step(&mut state, pair(0.9, 0.1, 0.005, 10.0));
+        assert!(out.contradicted && !out.learned && out.capacity_ah == 3.0, "{out:?}");
+    }
+}
+
 #[test]
 fn finds_the_minimum_of_the_cost_and_its_curvature() {
     // Pairs whose deviations change from one to the next, in double precision and by brute force.

@@ -13,6 +13,7 @@ const PARAMS: ResistanceParams = ResistanceParams {
     least_step_a: 0.3,
     memory_steps: 500.0,
     initial_sd: 0.5,
+    skew_s: 0.0,
 };
 const ESTIMATOR: ResistanceEstimator<'static> =
     must!(ResistanceEstimator::new(PARAMS, &BATTERY, DT));
@@ -59,6 +60,46 @@ fn run(
         out = ESTIMATOR.step(state, input);
     }
     out
+}
+
+/// A voltage that is read a tenth of a second late, ten times a second, while the current changes
+/// every second or so: without being told it finds what is not there, and says so.
+#[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+fn learns_from_readings_that_are_out_of_step_only_where_the_current_is_steady() {
+    const TENTH: Dt = must!(Dt::from_s(0.1));
+    const BATTERY: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, TENTH));
+    let run = |skew_s, factor: Real| {
+        let params = ResistanceParams { skew_s, ..PARAMS };
+        let estimator = ResistanceEstimator::new(params, &BATTERY, TENTH).unwrap();
+        let mut cell = BATTERY.rested_at(0.8, 25.0).unwrap();
+        let (mut state, mut late_v) = (estimator.unknown(), BATTERY.open_circuit().at(0.8));
+        let mut out = None;
+        for i in 0..18_000_u32 {
+            // Half a second to a second and a half.
+            let current_a = current_a(i / (5 + i / 20 % 11));
+            let open_circuit_v = BATTERY.open_circuit().at(cell.soc.get());
+            let (source, _) = BATTERY.offer(&cell);
+            let voltage_v =
+                open_circuit_v - factor * (open_circuit_v - source.voltage_v(current_a));
+            BATTERY.settle(&mut cell, current_a);
+            BATTERY.set_temperature(&mut cell, 25.0);
+            let estimate = at(cell.soc.get());
+            out = Some(
+                estimator
+                    .step(&mut state, ResistanceInput { voltage_v: late_v, current_a, estimate }),
+            );
+            late_v = voltage_v;
+        }
+        out.unwrap()
+    };
+    for factor in [1.0, 1.8] {
+        let told = run(0.1, factor);
+        assert!((told.factor - factor).abs() <= 0.04 * factor && !told.at_bound, "{told:?}");
+        assert!((told.factor - factor).abs() <= 3.0 * told.factor_sd, "{told:?}");
+    }
+    let untold = run(0.0, 1.0);
+    assert!(untold.at_bound && untold.factor_sd >= PARAMS.initial_sd, "{untold:?}");
 }
 
 #[test]
@@ -181,6 +222,9 @@ fn refuses_each_bad_field_by_name() {
         for (params, field) in fields {
             assert_eq!(refused(params), field);
         }
+    }
+    for skew_s in [-1.0, Real::NAN, Real::INFINITY] {
+        assert_eq!(refused(ResistanceParams { skew_s, ..PARAMS }), "resistance.skew_s");
     }
     let forgetful = ResistanceParams { memory_steps: 1.0, ..PARAMS };
     assert_eq!(

@@ -1,0 +1,128 @@
+//! The slope that the open-circuit curve is given, and what a change of it may not tell.
+
+use plant_core::num::{Accum, Real, clamp, max, min, sqrt};
+
+use super::{Ekf, EkfState};
+
+/// Over less than this there is no mean slope. Chosen: the last bit of 400 V, 3e-5 V, makes
+/// 0.03 V of slope over it.
+const SHORTEST_CHORD: Real = 1e-3;
+/// The slope is taken anew after a move by this many of the standard deviations it was taken with.
+/// Chosen: within that the least slope over three of them is nearly the same.
+const HELD_SDS: Real = 0.25;
+/// A slope that falls makes the state of charge at most so much less sure at a time. Chosen.
+const MOST_LESS: Real = 2.0;
+/// √½.
+const HALF_ROOT: Real = 0.707_106_77;
+
+/// Where a slope was taken, and what has been learnt with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Slope {
+    /// State of charge and its standard deviation there; a negative standard deviation asks for
+    /// another one.
+    at_soc: Real,
+    at_sd: Real,
+    /// The last slope that was not flat \[V per unit of SOC\]; 0 before.
+    learnt_v: Real,
+    /// Charge that was counted since, without its sign, as state of charge.
+    pub(super) moved: Real,
+}
+
+impl Slope {
+    pub(super) const NONE: Self = Self { at_soc: 0.0, at_sd: -1.0, learnt_v: 0.0, moved: 0.0 };
+
+    /// Asks for another one.
+    pub(super) const fn release(&mut self) {
+        self.at_sd = -1.0;
+    }
+}
+
+impl Ekf {
+    /// The curve's tangent, and its least mean slope over one and a half standard deviations
+    /// within three.
+    ///
+    /// A slope that followed each correction would be a noise that the correction knows: it would
+    /// tell the state of charge apart from the model's error, which nothing does at rest. So it is
+    /// held for a while.
+    pub(super) fn follow_curve(&self, state: &mut EkfState) {
+        let soc = state.soc();
+        let sd = sqrt(state.variance());
+        let (open_circuit_v, tangent_v) = self.open_circuit(soc);
+        let hysteresis_v = self.params.battery.hysteresis.half_gap_v * state.slow.hysteresis;
+        state.tangent_v = tangent_v;
+        state.open_circuit_v = open_circuit_v + hysteresis_v - tangent_v * state.rise;
+        let Slope { at_soc, at_sd, moved, .. } = state.slow.slope;
+        let (gone, held) = ((soc - at_soc).abs(), HELD_SDS * at_sd);
+        if gone <= held && (sd - at_sd).abs() <= held {
+            return;
+        }
+        (state.slow.slope.at_soc, state.slow.slope.at_sd) = (soc, sd);
+        let mut slope_v = tangent_v;
+        for reach in [-1.5 * sd, 1.5 * sd] {
+            let (mut from, mut from_v) = (soc, open_circuit_v);
+            for _ in 0..2 {
+                let to = clamp(from + reach, 0.0, 1.0);
+                let (to_v, _) = self.open_circuit(to);
+                if (to - from).abs() > SHORTEST_CHORD {
+                    slope_v = min(slope_v, (to_v - from_v) / (to - from));
+                }
+                (from, from_v) = (to, to_v);
+            }
+        }
+        self.change_slope(state, slope_v, gone > moved);
+    }
+
+    /// Takes another slope, `by_correction` where it is not the charge counted that led there.
+    ///
+    /// A change of the slope tells nothing: what the voltage has said, it would have said with
+    /// this slope, so `shared·slope` stays. Where the slope is more, what that leaves open of the
+    /// state of charge is now open by itself; where it is less, less is known, unless the charge
+    /// that was counted has brought the battery here.
+    pub(super) fn change_slope(&self, state: &mut EkfState, slope_v: Real, by_correction: bool) {
+        state.slope_v = slope_v;
+        if self.is_flat(state) {
+            return;
+        }
+        let keep = state.slow.slope.learnt_v / slope_v;
+        (state.slow.slope.learnt_v, state.slow.slope.moved) = (slope_v, 0.0);
+        if keep > 0.0 && keep < 1.0 {
+            let before = state.shared_per_v;
+            state.shared_per_v *= keep;
+            state.own_variance += (before * before - state.shared_per_v * state.shared_per_v)
+                * state.error_variance_v2;
+        } else if keep > 1.0 && by_correction {
+            state.shared_per_v *= min(keep, MOST_LESS);
+        }
+    }
+
+    /// Takes the state of charge from the voltage as well: no place on the flat part shows this
+    /// one. `residual_v` is that of the last second; the longer mean comes late.
+    #[cold]
+    pub(super) fn leave_flat(&self, state: &mut EkfState, residual_v: Real) {
+        let (open_circuit_v, _) = self.open_circuit(state.soc());
+        let late_v = state.slow.residual_v;
+        let residual_v = if residual_v * late_v > late_v * late_v { residual_v } else { late_v };
+        let shown_v = open_circuit_v + state.error_v + residual_v;
+        // All that shows this voltage within two standard deviations of the model's error.
+        let sd_v = state.slow.error_sd_v;
+        let curve = &self.params.battery.open_circuit;
+        let (low, high) = (curve.soc_at(shown_v - 2.0 * sd_v), curve.soc_at(shown_v + 2.0 * sd_v));
+        let sd = max(0.25 * (high - low), SHORTEST_CHORD);
+        let (before, now) = (state.variance(), sd * sd);
+        let middle = 0.5 * (low + high);
+        let soc = clamp((state.soc() * now + middle * before) / (now + before), low, high);
+        state.soc_before = Accum::new(soc);
+        state.rise = 0.0;
+        state.error_v = 0.0;
+        state.error_variance_v2 = sd_v * sd_v;
+        state.slow.residual_v = 0.0;
+        state.slow.soc_then = soc;
+        state.slow.drift.forget();
+        // Half of it because of the model's error, half of it for what the range leaves open.
+        state.own_variance = 0.5 * now;
+        state.shared_per_v = -HALF_ROOT * sd / sd_v;
+        state.slow.slope = Slope::NONE;
+        self.follow_curve(state);
+    }
+}

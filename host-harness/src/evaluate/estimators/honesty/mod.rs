@@ -1,0 +1,276 @@
+//! Whether the filter's standard deviation can be believed where the world is not as assumed:
+//! simulated batteries of three kinds, each with something wrong, drawn anew for each seed.
+
+mod batteries;
+mod tally;
+mod world;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use batteries::Chemistry;
+pub use tally::Tally;
+use world::World;
+
+/// Seeds of the full matrix.
+pub const SEEDS: u64 = 10;
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Nothing: what the sensors show is what is declared.
+    Clean,
+    /// Curve, resistance, capacity, ammeter and start drawn from what is declared of them.
+    Drawn,
+    /// A stand-by current that the ammeter does not see.
+    Drain,
+    /// A rest of which nothing is known, with an error of the curve.
+    Rest,
+    /// A start while polarised: what was before is not known.
+    Reset,
+    /// Samples are missing.
+    Dropouts,
+    /// The voltage comes in coarse steps, as declared.
+    Quantised,
+    /// A state of charge that has grown old, said to be known.
+    Stale,
+    /// The ammeter shows nothing.
+    Dead,
+    /// The ammeter is mounted the wrong way round.
+    Reversed,
+}
+
+/// What a kind must reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Share of the samples of every run that hold the truth within three standard deviations.
+    pub inside: f64,
+    /// The same in the mean of the runs.
+    pub inside_mean: f64,
+    /// Share of the samples that are outside, without a flag, in the mean of the runs.
+    pub silent: f64,
+    /// The largest error in standard deviations.
+    pub worst: f64,
+    /// Share of the samples that are flagged.
+    pub flagged: f64,
+    /// The largest mean standard deviation: it may not simply grow.
+    pub sd: f64,
+    /// The largest error, root mean square, over the mean standard deviation.
+    pub ratio: f64,
+}
+
+impl Bound {
+    /// Every sample tells the truth.
+    const STRICT: Self = Self {
+        inside: 0.997,
+        inside_mean: 0.997,
+        silent: 0.0,
+        worst: 4.0,
+        flagged: 0.005,
+        sd: 0.05,
+        ratio: f64::INFINITY,
+    };
+    /// What is wrong was not declared: it need only be said.
+    const TOLD: Self = Self {
+        inside: 0.0,
+        inside_mean: 0.0,
+        silent: 0.05,
+        worst: f64::INFINITY,
+        flagged: 1.0,
+        sd: f64::INFINITY,
+        ..Self::STRICT
+    };
+}
+
+impl Kind {
+    /// All.
+    pub const ALL: [Self; 10] = [
+        Self::Clean,
+        Self::Drawn,
+        Self::Drain,
+        Self::Rest,
+        Self::Reset,
+        Self::Dropouts,
+        Self::Quantised,
+        Self::Stale,
+        Self::Dead,
+        Self::Reversed,
+    ];
+
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Clean => "as declared",
+            Self::Drawn => "errors drawn as declared",
+            Self::Drain => "unseen stand-by current",
+            Self::Rest => "rest from an unknown start",
+            Self::Reset => "reset while polarised",
+            Self::Dropouts => "missing samples",
+            Self::Quantised => "coarse voltage, declared",
+            Self::Stale => "start 8 % off, said to be 1 %",
+            Self::Dead => "ammeter dead",
+            Self::Reversed => "ammeter reversed",
+        }
+    }
+
+    /// A kind whose errors are drawn from a distribution needs more seeds to show it.
+    const fn seeds(self, seeds: u64) -> u64 {
+        if matches!(self, Self::Drawn) { 4 * seeds } else { seeds }
+    }
+
+    /// What it must reach on a battery.
+    #[must_use]
+    pub const fn bound(self, chemistry: Chemistry) -> Bound {
+        let bound = match self {
+            // What is known of these lets the standard deviation be as small as this.
+            Self::Clean => Bound { sd: 0.018, ..Bound::STRICT },
+            Self::Drain | Self::Reset | Self::Dropouts => Bound::STRICT,
+            // A rest alone knows no more than the slope of the curve where it is.
+            Self::Rest => Bound { sd: 0.08, ..Bound::STRICT },
+            // A Gaussian leaves three in a thousand outside; runs are few, so at times more.
+            Self::Drawn => Bound {
+                inside: 0.0,
+                inside_mean: 0.99,
+                silent: 0.01,
+                worst: f64::INFINITY,
+                flagged: 0.03,
+                ratio: 1.05,
+                ..Bound::STRICT
+            },
+            Self::Quantised => Bound { inside: 0.985, silent: 0.015, worst: 5.0, ..Bound::STRICT },
+            Self::Stale | Self::Dead | Self::Reversed => Bound::TOLD,
+        };
+        match (chemistry, self) {
+            (Chemistry::Cell | Chemistry::Pack, _) => bound,
+            // The limit of what a voltage says there: a step of the curve that is as high as two
+            // standard deviations of its error may be another one.
+            (Chemistry::Flat, Self::Drawn) => {
+                Bound { inside_mean: 0.95, silent: 0.05, sd: f64::INFINITY, ..bound }
+            }
+            // Nor does the voltage of a cell with so little resistance tell that the current is wrong,
+            // or its start, before the curve bends.
+            (Chemistry::Flat, Self::Stale | Self::Dead | Self::Reversed) => {
+                Bound { silent: 0.25, ..bound }
+            }
+            (Chemistry::Flat, _) => Bound { sd: f64::INFINITY, ..bound },
+        }
+    }
+}
+
+/// All runs of one kind on one battery.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Group {
+    /// What is wrong.
+    pub kind: Kind,
+    /// The battery.
+    pub chemistry: Chemistry,
+    /// A tally for each seed.
+    pub runs: Vec<Tally>,
+}
+
+impl Group {
+    fn mean(&self, of: impl Fn(&Tally) -> f64) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "a few")]
+        let count = self.runs.len() as f64;
+        self.runs.iter().map(of).sum::<f64>() / count
+    }
+
+    /// Share of the samples inside three standard deviations, in the mean and at worst.
+    #[must_use]
+    pub fn inside(&self) -> (f64, f64) {
+        let worst = self.runs.iter().map(Tally::inside).fold(1.0, f64::min);
+        (self.mean(Tally::inside), worst)
+    }
+
+    /// Share of the samples outside without a flag.
+    #[must_use]
+    pub fn silent(&self) -> f64 {
+        self.mean(Tally::silent)
+    }
+
+    /// Share of the samples that are flagged.
+    #[must_use]
+    pub fn flagged(&self) -> f64 {
+        self.mean(Tally::flagged)
+    }
+
+    /// The largest error in standard deviations.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        self.runs.iter().map(|tally| tally.worst).fold(0.0, f64::max)
+    }
+
+    /// The mean standard deviation.
+    #[must_use]
+    pub fn sd(&self) -> f64 {
+        self.mean(Tally::sd)
+    }
+
+    /// The error, root mean square, over the mean standard deviation.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.mean(Tally::mean_square).sqrt() / self.sd()
+    }
+
+    /// What chance does to the root mean square of so few runs.
+    fn chance(&self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "a few")]
+        let count = self.runs.len() as f64;
+        (0.5 / count).sqrt()
+    }
+
+    /// Whether it reaches what its kind must.
+    #[must_use]
+    pub fn is_honest(&self) -> bool {
+        let bound = self.kind.bound(self.chemistry);
+        let (mean, worst) = self.inside();
+        worst >= bound.inside
+            && mean >= bound.inside_mean
+            && self.silent() <= bound.silent
+            && self.worst() < bound.worst
+            && self.flagged() <= bound.flagged
+            && self.sd() <= bound.sd
+            && self.ratio() <= bound.ratio * (1.0 + self.chance())
+    }
+}
+
+/// Every kind on every battery.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Kinds and batteries.
+    pub groups: Vec<Group>,
+}
+
+impl Report {
+    /// Runs all, with so many seeds.
+    #[must_use]
+    pub fn of(seeds: u64) -> Self {
+        Self { groups: run(seeds) }
+    }
+
+    /// Whether each reaches what it must.
+    #[must_use]
+    pub fn is_honest(&self) -> bool {
+        self.groups.iter().all(Group::is_honest)
+    }
+}
+
+/// Runs every kind on every battery, with so many seeds.
+#[must_use]
+pub fn run(seeds: u64) -> Vec<Group> {
+    let pairs: Vec<(Kind, Chemistry)> = Kind::ALL
+        .into_iter()
+        .flat_map(|kind| Chemistry::ALL.map(|chemistry| (kind, chemistry)))
+        .collect();
+    pairs
+        .into_par_iter()
+        .map(|(kind, chemistry)| {
+            let runs = (1..=kind.seeds(seeds))
+                .into_par_iter()
+                .map(|seed| World::new(kind, chemistry, seed).run());
+            Group { kind, chemistry, runs: runs.collect() }
+        })
+        .collect()
+}
