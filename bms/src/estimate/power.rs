@@ -1,6 +1,7 @@
 //! State of power: what may be drawn and charged over the next seconds.
 
 mod ahead;
+mod weakest;
 
 use plant_core::battery::MappedBattery;
 use plant_core::error::{above, check, finite, not_negative, positive, ratio};
@@ -9,6 +10,7 @@ use plant_core::{ParamError, Real};
 
 use crate::{Estimate, Health};
 use ahead::{Ahead, Horizon, Seen, Way};
+pub use weakest::SeriesCells;
 
 /// How many lengths of time a [`PowerLimits`] looks ahead.
 pub const HORIZONS: usize = 3;
