@@ -19,10 +19,12 @@ use crate::Estimate;
 use crate::estimate::curve::{INTERVALS, Tangents, as_table};
 
 mod params;
+mod resistance;
 mod spread;
 
 pub use params::CellsParams;
 use params::{SMALLEST_NOISE_V, cell_v, noise_variances};
+pub use resistance::{CellResistanceParams, CellResistances, CellResistancesState};
 pub use spread::{CellSoc, SocSpread};
 
 /// How far each cell's state of charge lies from the pack's.

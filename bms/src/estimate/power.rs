@@ -7,8 +7,10 @@
 //! Tests: `tests` below; on the plant in `tests/tests/bms_power.rs`.
 
 mod ahead;
+mod weakest;
 mod window;
 
+pub use weakest::SeriesCells;
 pub use window::TemperatureWindow;
 
 use plant_core::battery::MappedBattery;

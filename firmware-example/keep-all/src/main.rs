@@ -38,7 +38,7 @@ use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor
 use plant_core::signal::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
 use plant_core::{Accum, Dt, Model, ParamError};
 use voltstep_bms::Estimate;
-use voltstep_bms::estimate::cells::{self, Cells};
+use voltstep_bms::estimate::cells::{self, CellResistances, Cells};
 use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombState};
 use voltstep_bms::estimate::ekf::{Ekf, EkfParams, EkfState, Uncertainty};
 use voltstep_bms::estimate::energy::EnergyGauge;
@@ -57,6 +57,7 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 const CELLS: usize = 18;
 const SENSORS: usize = 4;
 type CellsState = cells::CellsState<CELLS>;
+type CellResistancesState = cells::CellResistancesState<CELLS>;
 type Measurements = measure::Measurements<CELLS, SENSORS>;
 type RecordStore = record::RecordStore<flash::Flash>;
 
@@ -169,13 +170,14 @@ fn management() {
         CoulombCounter::review, CoulombCounter::pause, CoulombCounter::adopt,
         <CoulombCounter as Model>::step,
         Cells::new, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
-        CellsState::spread,
+        CellsState::spread, CellResistances::new, CellResistances::start::<CELLS>,
+        CellResistances::step::<CELLS>, CellResistancesState::ratio,
         Estimate::rested, Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
         CapacityEstimator::known, CapacityEstimator::step, ResistanceEstimator::new,
         ResistanceEstimator::unknown, ResistanceEstimator::known, ResistanceEstimator::step,
         EnergyGauge::new, EnergyGauge::params, EnergyGauge::step, EnergyGauge::report, EnergyGauge::left,
         TemperatureWindow::share, PowerLimits::new, PowerLimits::ahead,
-        PowerLimits::walk, <PowerWalk as Default>::default,
+        PowerLimits::ahead_of_cells::<CELLS>, PowerLimits::walk, <PowerWalk as Default>::default,
         Slot::other, Record::checked, Record::encode, Record::decode, Found::in_slots, Found::next,
         Record::of, Record::health, Record::age_s, Record::filter, Record::counter,
         RecordStore::new, RecordStore::load, RecordStore::save, RecordStore::release,
