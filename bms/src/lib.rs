@@ -27,6 +27,7 @@
 //! | [`estimate::soh`] | state of health: resistance and capacity, with their uncertainty |
 //! | [`estimate::energy`] | energy and time left |
 //! | [`estimate::power`] | state of power: what may be drawn and charged over the next seconds |
+//! | [`estimate::series`] | all of them of cells in series, tied together |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!

@@ -6,6 +6,7 @@ mod curve;
 pub mod ekf;
 pub mod energy;
 pub mod power;
+pub mod series;
 pub mod soh;
 
 use plant_core::Real;
