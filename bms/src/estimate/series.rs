@@ -72,7 +72,7 @@ pub struct SeriesInput<'a, const CELLS: usize> {
 
 impl Series<'_> {
     /// Goes on from what was remembered of the filter and the health, `elapsed_s` ago \[s\]; nothing
-    /// where nobody knows. `standby_sd_a` \[A\] is what may have flowed since.
+    /// where nobody knows. What may have flowed since is the filter's `standby_sd_a`.
     ///
     /// # Errors
     /// [`ParamError`] names what is out of range.

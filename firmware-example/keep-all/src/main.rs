@@ -43,6 +43,7 @@ use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombState};
 use voltstep_bms::estimate::ekf::{Ekf, EkfParams, EkfState, Uncertainty};
 use voltstep_bms::estimate::energy::EnergyGauge;
 use voltstep_bms::estimate::power::{PowerLimits, PowerWalk, TemperatureWindow};
+use voltstep_bms::estimate::series::Series;
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
 use voltstep_bms::measure::{self, Reading, Spread};
 use voltstep_bms::store::record::{self, Found, Record, Slot};
@@ -170,6 +171,7 @@ fn management() {
         CoulombCounter::review, CoulombCounter::pause, CoulombCounter::adopt,
         <CoulombCounter as Model>::step,
         Cells::new, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
+        Series::resume::<CELLS>, Series::step::<CELLS>,
         CellsState::spread, CellResistances::new, CellResistances::start::<CELLS>,
         CellResistances::step::<CELLS>, CellResistancesState::ratio,
         Estimate::rested, Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
