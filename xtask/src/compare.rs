@@ -30,6 +30,9 @@ const NOTHING: &str = "nothing";
 /// How far the semi-implicit C may be from the library: its largest difference over UDDS, relative
 /// to what the quantity comes to \[parts per billion\].
 const AGREES_PPB: u64 = 10_000;
+/// What the library may take, in instructions of the semi-implicit C: that has no gates to open, no
+/// limits asked for from outside, no winding limit, and does not look ahead at a field that grows.
+const AT_MOST: f64 = 1.15;
 /// Explicit Euler counts as stable where its speed stays this close \[parts per billion\].
 const STABLE_PPB: u64 = 10_000_000;
 /// Steps per millisecond that are tried for it.
@@ -85,7 +88,10 @@ pub fn table(ours: (f64, u64, u64), plugin: &Path) -> Result<String> {
                 value(&said, &format!("state {name}"))?
             );
             if *name == SEMI && contraction == &"off" {
-                ensure!(mean <= *c_mean, "{mean} instructions, hand-written C takes {c_mean}");
+                ensure!(
+                    mean <= AT_MOST * c_mean,
+                    "{mean} instructions, hand-written C takes {c_mean}"
+                );
             }
         }
     }

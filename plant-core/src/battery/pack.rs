@@ -42,7 +42,7 @@ pub trait Pack: Copy {
     /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
     /// leads to `next` keeps every limit.
     fn allows(&self, current_a: Real, least_a: Real, next: &Self::State) -> bool;
-    /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
+    /// Books one step under `current_a`, which the limits allow. Returns what was
     /// charged beyond full all the same, or, negative, drawn beyond empty \[C\]: it is lost.
     fn settle(&self, state: &mut Self::State, current_a: Real) -> Real;
     /// What one step from `before` to `after` turned into heat.

@@ -325,11 +325,13 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         let (reached_a, battery_a) = (i + solution.current_increment_a, solution.battery_a);
         let field_w = self.winding.inductance_per_h_ohm * solution.current_increment_a * reached_a;
         let least_a = min(battery_a, battery_a - field_w / solution.battery_v);
-        input.gates != Gates::Off
-            && reached_a.abs() <= self.converter.params.current_limit_a
-            && battery_a <= input.limits.discharge_a
-            && least_a >= -input.limits.charge_a
-            && self.battery.allows(battery_a, least_a, next)
+        // Asked as what breaks a limit: beyond an infinite one there is nothing to compare. What is
+        // not a number is refused further on.
+        let broken = input.gates == Gates::Off
+            || reached_a.abs() > self.converter.params.current_limit_a
+            || battery_a > input.limits.discharge_a
+            || least_a < -input.limits.charge_a;
+        !broken && self.battery.allows(battery_a, least_a, next)
     }
 
     /// Advances by one step.
