@@ -1,4 +1,5 @@
-/* The coupled plant with its PID in plain C, semi-implicit: the same work as the library's. */
+/* The coupled plant with its PID in plain C, semi-implicit: the library's work but for gates that open
+ * and limits that are asked for. */
 #ifndef SEMI_IMPLICIT_H
 #define SEMI_IMPLICIT_H
 

@@ -17,7 +17,7 @@ const SOURCES: &[&str] = &["main", "semi_implicit", "euler"];
 
 /// What is counted: the function, and what its row says.
 const STEPS: &[(&str, &str)] = &[
-    ("semi_implicit_step", "plain C, semi-implicit, the same work"),
+    ("semi_implicit_step", "plain C, semi-implicit, without gates and asked limits"),
     ("euler_step", "plain C, explicit Euler"),
     ("voltstep_step", "Voltstep through its C interface, parameters not known to the compiler"),
 ];
