@@ -80,8 +80,8 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
 
     /// The solution with the winding current nearest to that of `wanted` that keeps the limits.
     ///
-    /// The current decides on the power, the power on the bus voltage, both on the duty. Which way
-    /// friction acts is part of the axis; where it turns out another, once more.
+    /// The current decides on the power, the power on the bus voltage, both on the duty. In which
+    /// direction friction acts is part of the axis; where it turns out another, once more.
     fn held(
         &self,
         start: &Start,
@@ -127,7 +127,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     }
 
     /// The winding with its converter in one friction mode, the speed eliminated; `want` says
-    /// which way the converter's drop acts.
+    /// in which direction the converter's drop acts.
     fn axis(&self, start: &Start, slip: Slip, want: Real) -> Axis {
         let winding = &self.winding;
         let mut axis = Axis {
@@ -196,18 +196,19 @@ impl Axis {
         let discriminant = e * e + 4.0 * self.resistance_ohm * lowest_w;
         if discriminant > 0.0 {
             // All counted in the direction in which the machine brakes.
-            let way = -sign(e);
+            let direction = -sign(e);
             let edge = -2.0 * lowest_w / (e.abs() + sqrt(discriminant));
-            let (held, braking) = (way * i, way * want);
+            let (held, braking) = (direction * i, direction * want);
             if held > edge && braking > 0.0 {
                 let share = self.resistance_ohm / (self.inductance_ohm + self.resistance_ohm);
-                let decayed = way * (held + (edge - held) * share);
+                let decayed = direction * (held + (edge - held) * share);
                 // Faster only where that charges less.
-                let faster = braking < way * decayed && self.power_w(want) >= self.power_w(decayed);
+                let faster =
+                    braking < direction * decayed && self.power_w(want) >= self.power_w(decayed);
                 return if faster { want } else { decayed };
             }
             if braking > edge {
-                return way * edge;
+                return direction * edge;
             }
         }
         if self.power_w(want) < lowest_w { self.at_power(lowest_w, i) } else { want }

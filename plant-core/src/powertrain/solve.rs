@@ -133,11 +133,11 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     #[inline(always)]
     pub(super) fn solve_off(&self, start: &Start) -> Solution {
         let free_v = self.winding.free_v(start.current_a, start.speed_m_s);
-        let way = sign(free_v);
+        let direction = sign(free_v);
         let blocked = free_v.abs() <= start.bus.emf_v + start.drop_v;
-        let solution = self.settled(start, -way, way * start.drop_v, blocked);
+        let solution = self.settled(start, -direction, direction * start.drop_v, blocked);
         // The speed fell so far within the step that they would conduct backwards.
-        let backwards = way * (start.current_a + solution.current_increment_a) < 0.0;
+        let backwards = direction * (start.current_a + solution.current_increment_a) < 0.0;
         if blocked || backwards {
             Solution { duty: 0.0, drop_v: 0.0, ..self.settled(start, 0.0, 0.0, true) }
         } else {
