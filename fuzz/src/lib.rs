@@ -42,7 +42,7 @@ pub fn vehicle(data: &[u8]) {
                 Powertrain::new(plant.with_battery(battery), dt).expect("checked by the reader");
             }
             VehicleBattery::Mapped(battery) => {
-                Powertrain::mapped(plant.with_battery(battery), dt).expect("checked by the reader");
+                plant.with_battery(battery).build(dt).expect("checked by the reader");
             }
         }
     }
@@ -187,7 +187,7 @@ pub fn step(data: &[u8]) {
     let Ok(dt) = Dt::from_s(bits.next()) else { return };
     let (soc, speed_m_s) = (bits.next(), bits.next());
     let params = plant(&mut bits);
-    if let Ok(plant) = Powertrain::with_ledger(params, dt)
+    if let Ok(plant) = Powertrain::new(params, dt).map(Powertrain::with_ledger)
         && let Ok(start) = plant.at_speed(soc, speed_m_s)
     {
         let (mut state, mut bits) = (start, Bits { data: bits.data, last: bits.last });
@@ -198,7 +198,7 @@ pub fn step(data: &[u8]) {
         let _ = plant.energy(&start, &state);
     }
     let battery = mapped(&mut bits, &params.battery);
-    if let Ok(plant) = Powertrain::mapped(params.with_battery(battery), dt)
+    if let Ok(plant) = params.with_battery(battery).build(dt)
         && let Ok(mut state) = plant.at_speed(soc, speed_m_s)
     {
         for _ in 0..32 {

@@ -217,7 +217,7 @@ fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
             Powertrain::new(plant.with_battery(battery), CHECK_DT)?;
         }
         VehicleBattery::Mapped(battery) => {
-            Powertrain::mapped(plant.with_battery(battery), CHECK_DT)?;
+            plant.with_battery(battery).build(CHECK_DT)?;
         }
     }
     Driver::new(vehicle.driver, &plant, CHECK_DT)?;

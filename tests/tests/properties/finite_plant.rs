@@ -29,7 +29,7 @@ fn powertrain_with_its_ledger() {
     let [sin, cos, wind, brake] = road;
     let inputs = inputs([signed(1.0), sin, cos, wind, brake, positive(2000.0)]);
     check(512, (model, inputs), |((params, dt, soc, speed), inputs)| {
-        let model = Powertrain::with_ledger(params, dt).unwrap();
+        let model = Powertrain::new(params, dt).unwrap().with_ledger();
         let start = model.at_speed(soc, speed).unwrap();
         keeps(start, &inputs, |s, [duty, sin, cos, headwind_m_s, brake_n, auxiliary_w]| {
             let cos = cos + Grade::from_sin(sin).cos;

@@ -72,7 +72,7 @@ macro_rules! residual_and_turnover {
     ($core:ident, $real:ty, $params:expr, $case:expr) => {{
         let case: &Drive = $case;
         let dt = $core::Dt::from_s(<$real>::from(case.dt_s)).unwrap();
-        let plant = $core::powertrain::Powertrain::with_ledger($params, dt).unwrap();
+        let plant = $core::powertrain::Powertrain::new($params, dt).unwrap().with_ledger();
         let start = plant.at_speed(0.6, case.speed_m_s.into()).unwrap();
         let mut s = start;
         for stretch in &case.stretches {

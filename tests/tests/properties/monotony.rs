@@ -20,7 +20,7 @@ fn unlimited_plant(d: &mut Draw) -> PowertrainParams {
         capacity_ah: 1e6,
         ..plant.battery
     };
-    let converter = ConverterParams { duty_limit: 2.0, ..plant.converter };
+    let converter = ConverterParams { duty_limit: 2.0, ..plant.drives.converter };
     PowertrainParams { battery, converter, ..plant }
 }
 

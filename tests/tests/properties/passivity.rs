@@ -33,7 +33,7 @@ fn weighted_j(mass_kg: Real, speed: Real, motor: &DcMotorParams, current_a: Real
 fn passive_plant(d: &mut Draw) -> PowertrainParams {
     let motor = if d.seldom() { draw::lossy_motor(d) } else { draw::motor(d) };
     let plant = draw::plant(d);
-    let converter = ConverterParams { constant_loss_w: 0.0, ..plant.converter };
+    let converter = ConverterParams { constant_loss_w: 0.0, ..plant.drives.converter };
     // A shorted winding passes through currents that would charge the battery if they were held.
     let battery = BatteryParams { charge_limit_a: Real::INFINITY, ..plant.battery };
     PowertrainParams { battery, auxiliary: AuxiliaryParams::NONE, converter, motor, ..plant }
@@ -64,7 +64,7 @@ proptest! {
         let (mut last_j, mut last_c_j) = (f64::INFINITY, f64::INFINITY);
         for step in 0..200 {
             let (v, i) = (s.body.speed_m_s.get(), s.current_a.get());
-            let stored_j = weighted_j(plant.moving_mass_kg(), v, &params.motor, i);
+            let stored_j = weighted_j(plant.moving_mass_kg(), v, &params.drives.motor, i);
             let capacitive_j = 0.5 * farad * f64::from(s.battery.rc.voltage_v.get()).powi(2);
             prop_assert!(!rose(last_j, stored_j), "{step}: {last_j} {stored_j}");
             prop_assert!(!rose(last_c_j, capacitive_j), "{step}: {s:?}");

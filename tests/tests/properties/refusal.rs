@@ -237,7 +237,7 @@ fn body_and_slope() {
 #[test]
 fn powertrain() {
     let make = |p| Powertrain::new(p, DT);
-    assert!(make(PLANT).is_ok() && Powertrain::with_ledger(PLANT, DT).is_ok());
+    assert!(make(PLANT).is_ok() && Powertrain::new(PLANT, DT).map(Powertrain::with_ledger).is_ok());
     let PowertrainParams { mut battery, mut auxiliary, mut converter, mut motor, .. } = PLANT;
     let PowertrainParams { mut gearbox, mut wheel, mut body, .. } = PLANT;
     battery.capacity_ah = NAN;
@@ -257,7 +257,7 @@ fn powertrain() {
         (PowertrainParams { body, ..PLANT }, "body.mass_kg"),
     ] {
         assert_refused(make(params), field, &NAN);
-        assert_refused(Powertrain::with_ledger(params, DT), field, &NAN);
+        assert_refused(Powertrain::new(params, DT).map(Powertrain::with_ledger), field, &NAN);
     }
     let plant = make(PLANT).unwrap();
     for bad in RATIO {
@@ -402,7 +402,7 @@ proptest! {
     ) {
         let plant = PowertrainParams { motor, ..plant };
         prop_assert_eq!(Powertrain::new(plant, dt).err(), None);
-        prop_assert_eq!(Powertrain::with_ledger(plant, dt).err(), None);
+        prop_assert_eq!(Powertrain::new(plant, dt).map(Powertrain::with_ledger).err(), None);
         prop_assert_eq!(Driver::new(DriverParams::Torque(torque), &plant, dt).err(), None);
         prop_assert_eq!(Driver::new(DriverParams::Duty(pid), &plant, dt).err(), None);
         prop_assert_eq!(Pid::new(pid, dt).err(), None);

@@ -20,7 +20,7 @@ fn mirrored(input: PowertrainInput) -> PowertrainInput {
     let Road { grade, headwind_m_s, brake_n } = input.road;
     let grade = Grade { sin: -grade.sin, ..grade };
     let road = Road { grade, headwind_m_s: -headwind_m_s, brake_n };
-    PowertrainInput { gates: Gates::On(-input.gates.duty()), road, ..input }
+    PowertrainInput { gates: Gates::On(-input.gates.modulation().unwrap()), road, ..input }
 }
 
 fn opposite(slip: Slip) -> Slip {
@@ -54,7 +54,7 @@ proptest! {
             let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
             let input = PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) };
             let (out, mirror) = (plant.step(&mut s, input), plant.step(&mut m, mirrored(input)));
-            let moves = [out.duty, out.speed_m_s, out.distance_m, out.motor_a, out.motor_nm];
+            let moves = [out.drives.duty, out.speed_m_s, out.distance_m, out.drives.motor_a, out.drives.motor_nm];
             let mirror_moves =
                 [mirror.duty, mirror.speed_m_s, mirror.distance_m, mirror.motor_a, mirror.motor_nm];
             prop_assert_eq!(moves, mirror_moves.map(|x| -x), "{:?} {:?}", input, out);
