@@ -13,7 +13,7 @@ use plant_core::mechanics::body::{BodyParams, Road, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::slope::Grade;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainInput, PowertrainParams};
 use voltstep::read::vehicle::VehicleBattery;
 
 /// A driving cycle: read, or refused with a place.
@@ -110,26 +110,30 @@ fn plant(bits: &mut Bits<'_>) -> PowertrainParams {
             resistance_ohm: bits.next(),
             cut_out_v: bits.next(),
         },
-        converter: ConverterParams {
-            duty_limit: bits.next(),
-            constant_loss_w: bits.next(),
-            voltage_drop_v: bits.next(),
-            resistance_ohm: bits.next(),
-            current_limit_a: bits.next(),
-        },
-        motor: DcMotorParams {
-            resistance_ohm: bits.next(),
-            inductance_h: bits.next(),
-            back_emf_v_s_per_rad: bits.next(),
-            torque_nm_per_a: bits.next(),
-            inertia_kg_m2: bits.next(),
-            viscous_nm_s_per_rad: bits.next(),
-            coulomb_nm: bits.next(),
-        },
-        gearbox: GearboxParams {
-            ratio: bits.next(),
-            efficiency: bits.next(),
-            inertia_kg_m2: bits.next(),
+        drives: DriveParams {
+            converter: ConverterParams {
+                duty_limit: bits.next(),
+                constant_loss_w: bits.next(),
+                voltage_drop_v: bits.next(),
+                resistance_ohm: bits.next(),
+                current_limit_a: bits.next(),
+            },
+            motor: DcMotorParams {
+                resistance_ohm: bits.next(),
+                inductance_h: bits.next(),
+                back_emf_v_s_per_rad: bits.next(),
+                torque_nm_per_a: bits.next(),
+                inertia_kg_m2: bits.next(),
+                viscous_nm_s_per_rad: bits.next(),
+                coulomb_nm: bits.next(),
+            },
+            gearbox: GearboxParams {
+                ratio: bits.next(),
+                efficiency: bits.next(),
+                inertia_kg_m2: bits.next(),
+            },
+            torque_rate_per_s: bits.next(),
+            torque_share: 1.0,
         },
         wheel: WheelParams {
             radius_m: bits.next(),
@@ -169,7 +173,11 @@ fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
 
 fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     PowertrainInput {
-        gates: if bits.next() < 0.0 { Gates::Off } else { Gates::On(bits.next()) },
+        gates: match bits.next() {
+            which if which < 0.0 => Gates::Off,
+            which if which < 1.0 => Gates::Torque(bits.next()),
+            _ => Gates::On(bits.next()),
+        },
         road: Road {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),

@@ -333,7 +333,7 @@ macro_rules! in_precision {
                     let plant = Powertrain::new(EPOWERTRAIN_UDDS.powertrain, dt(ratio * WINDING_S))
                         .unwrap();
                     let mut s = plant.at_speed(0.8, 20.0).unwrap();
-                    s.current_a = Accum::new(50.0);
+                    s.drives = Accum::new(50.0);
                     let mass = plant.moving_mass_kg();
                     let stored = |v: $real, i: $real| 0.5 * mass * v * v + 0.5e-3 * i * i;
                     let mut before = stored(20.0, 50.0);
@@ -358,7 +358,7 @@ macro_rules! in_precision {
                     for _ in 0..super::count((60.0 / h).clamp(200.0, 6e5).into()) {
                         plant.step(&mut s, input);
                     }
-                    (h, s.body.speed_m_s.get(), s.current_a.get())
+                    (h, s.body.speed_m_s.get(), s.drives.get())
                 });
                 for (h, speed, current) in ends {
                     let (_, first_speed, first_current) = ends[1];

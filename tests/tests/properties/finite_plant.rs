@@ -53,8 +53,16 @@ fn drives(
     keeps(DriverState::default(), inputs, |s, fields| {
         let [reference_m_s, reference_m_s2, speed_m_s, motor_a, battery_v, soc, duty] = fields;
         let limited = battery_v.to_bits() & 1 == 1;
-        let vehicle =
-            Feedback { speed_m_s, motor_a, battery_v, soc, duty, limited, slope_sin: 0.0 };
+        let vehicle = Feedback {
+            speed_m_s,
+            motor_a,
+            motor_nm: 0.3 * motor_a,
+            battery_v,
+            soc,
+            duty,
+            limited,
+            slope_sin: 0.0,
+        };
         let out = model.step(s, DriverInput { reference_m_s, reference_m_s2, vehicle });
         let moved = out.rejected && out != DriverOutput { rejected: true, ..held };
         held = out;

@@ -3,7 +3,7 @@
 use plant_core::Real;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::BatteryParams;
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive, signed};
@@ -62,7 +62,8 @@ fn finite_plant(d: &mut Draw) -> PowertrainParams {
     };
     let resistance_ohm = auxiliary.resistance_ohm.min(1e9);
     let auxiliary = AuxiliaryParams { resistance_ohm, ..auxiliary };
-    PowertrainParams { battery, auxiliary, motor, ..plant }
+    let drives = DriveParams { motor, ..plant.drives };
+    PowertrainParams { battery, auxiliary, drives, ..plant }
 }
 
 /// The residual of a drive and what it is measured against \[J\], with one crate's scalar or the

@@ -3,7 +3,7 @@
 use plant_core::Real;
 use plant_core::battery::BatteryParams;
 use plant_core::converter::ConverterParams;
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive, signed};
@@ -36,7 +36,8 @@ fn case(d: &mut Draw) -> (PowertrainParams, Real) {
     let soc = d.ratio();
     let margin = d.near(1e-6).min(0.5);
     let soc = if d.seldom() { if soc > 0.5 { 1.0 - margin } else { margin } } else { soc };
-    (PowertrainParams { battery, converter, ..plant }, soc)
+    let drives = DriveParams { converter, ..plant.drives };
+    (PowertrainParams { battery, drives, ..plant }, soc)
 }
 
 /// One command, held.
@@ -93,7 +94,7 @@ macro_rules! keeps_limits {
             let out = plant.step(&mut s, input);
             prop_assert!(!out.rejected, "{out:?}");
             let (battery_a, motor_a) = (f64::from(out.battery_a), f64::from(out.drives.motor_a));
-            let carried_a = f64::from(before.current_a.get());
+            let carried_a = f64::from(before.drives.get());
             // In single precision the power of the winding's field is known to some of its last
             // bits; near the battery's greatest power a current follows badly from a power.
             let most_a = motor_a.abs().max(carried_a.abs());

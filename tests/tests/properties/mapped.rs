@@ -3,7 +3,7 @@
 use plant_core::battery::{MappedBattery, MappedBatteryInput};
 use plant_core::mechanics::body::Road;
 use plant_core::mechanics::slope::Grade;
-use plant_core::powertrain::{Powertrain, PowertrainInput};
+use plant_core::powertrain::PowertrainInput;
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 

@@ -81,7 +81,7 @@ proptest! {
             for (name, at, expected, last_bits) in [
                 ("speed", out.speed_m_s, reference.speed_m_s, 0.0),
                 ("battery voltage", out.battery_v, reference.battery_v, 0.0),
-                ("motor current", out.drives.motor_a, reference.motor_a, last_bits_a),
+                ("motor current", out.drives.motor_a, reference.drives.motor_a, last_bits_a),
                 ("battery current", out.battery_a, reference.battery_a, last_bits_a),
             ] {
                 let off = (at - expected).abs();
