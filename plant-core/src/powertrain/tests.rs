@@ -10,7 +10,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, CurrentLimits, OpenCircuit, RcBranchParams};
+use crate::battery::{BatteryParams, CurrentLimits, OpenCircuit, RcBranchParams, VoltageLimits};
 use crate::converter::ConverterParams;
 use crate::machine::dc::DcMotorParams;
 use crate::mechanics::body::{BodyParams, Road, RoadResistance};
@@ -32,6 +32,7 @@ const FULL: PowertrainParams = PowertrainParams {
         polarisation: RcBranchParams { resistance_ohm: 0.05, capacitance_f: 2.0 },
         discharge_limit_a: 300.0,
         charge_limit_a: 200.0,
+        voltage_limits: VoltageLimits::NONE,
     },
     auxiliary: AuxiliaryParams { power_w: 700.0, resistance_ohm: 90.0, cut_out_v: 200.0 },
     converter: ConverterParams {
