@@ -177,6 +177,8 @@ fn input(bits: &mut Bits<'_>) -> PowertrainInput {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),
             brake_n: bits.next(),
+            air_density_factor: bits.next(),
+            rolling_factor: bits.next(),
         },
         auxiliary_w: bits.next(),
         limits: CurrentLimits { discharge_a: bits.next(), charge_a: bits.next() },

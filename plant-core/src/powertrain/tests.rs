@@ -119,6 +119,7 @@ fn cases(plant: &Plant) -> Vec<(State, PowertrainInput)> {
             grade: Grade::from_sin(0.1 * n.next()),
             headwind_m_s: 10.0 * n.next(),
             brake_n: 1000.0 * (1.0 + n.next()),
+            ..Road::default()
         };
         let auxiliary_w = if k.is_multiple_of(2) { 0.0 } else { 1000.0 * (1.0 + n.next()) };
         // Around the duty at which nothing flows, or anything.

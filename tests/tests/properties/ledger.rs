@@ -80,6 +80,7 @@ macro_rules! residual_and_turnover {
                 grade: $core::mechanics::slope::Grade::from_sin(stretch.sin.into()),
                 headwind_m_s: stretch.headwind_m_s.into(),
                 brake_n: stretch.brake_n.into(),
+                ..$core::mechanics::body::Road::default()
             };
             let (duty, auxiliary_w) = (stretch.duty.into(), stretch.auxiliary_w.into());
             let input = $core::powertrain::PowertrainInput {

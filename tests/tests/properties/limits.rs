@@ -96,7 +96,7 @@ macro_rules! keeps_limits {
         let grade = Grade::from_sin(of(c.sin));
         let asked = CurrentLimits { discharge_a: of(c.discharge_a), charge_a: of(c.charge_a) };
         let input = PowertrainInput {
-            road: Road { grade, headwind_m_s: 0.0, brake_n: of(c.brake_n) },
+            road: Road { grade, brake_n: of(c.brake_n), ..Road::default() },
             auxiliary_w: of(c.auxiliary_w),
             limits: asked,
             ..PowertrainInput::on(of(c.duty))
