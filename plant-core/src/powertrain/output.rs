@@ -163,7 +163,7 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             coulomb: speed_m_s,
             gear: start.current_a.abs() * speed_m_s,
             drag: start.resistance.drag_n_s_per_m * (v + road.headwind_m_s) * v,
-            rolling: road.grade.cos * speed_m_s,
+            rolling: road.rolling_factor * road.grade.cos * speed_m_s,
             brake: road.brake_n * speed_m_s,
             potential: road.grade.sin * v,
             numerical: self.winding.inductance_per_h_ohm * di * di
