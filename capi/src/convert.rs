@@ -3,7 +3,7 @@
 use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::converter::ConverterParams;
@@ -124,6 +124,7 @@ impl VoltstepBatteryParams {
             },
             discharge_limit_a: self.discharge_limit_a,
             charge_limit_a: self.charge_limit_a,
+            voltage_limits: VoltageLimits::NONE,
         })
     }
 }

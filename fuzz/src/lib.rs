@@ -6,6 +6,7 @@ use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{
     BatteryParams, BranchMap, CurrentLimits, HysteresisParams, IdentifiedRange,
     MappedBatteryParams, OpenCircuit, OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+    VoltageLimits,
 };
 use plant_core::converter::{ConverterParams, Gates};
 use plant_core::machine::dc::DcMotorParams;
@@ -104,6 +105,7 @@ fn plant(bits: &mut Bits<'_>) -> PowertrainParams {
             },
             discharge_limit_a: bits.next(),
             charge_limit_a: bits.next(),
+            voltage_limits: VoltageLimits { lowest_v: bits.next(), highest_v: bits.next() },
         },
         auxiliary: AuxiliaryParams {
             power_w: bits.next(),
@@ -156,6 +158,7 @@ fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
         capacity_ah: plain.capacity_ah,
         discharge_limit_a: plain.discharge_limit_a,
         charge_limit_a: plain.charge_limit_a,
+        voltage_limits: plain.voltage_limits,
         refresh_s: bits.next(),
         open_circuit: plain.open_circuit,
         hysteresis: HysteresisParams { half_gap_v: bits.next(), rate_per_soc: bits.next() },
@@ -182,6 +185,8 @@ fn input(bits: &mut Bits<'_>) -> PowertrainInput {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),
             brake_n: bits.next(),
+            air_density_factor: bits.next(),
+            rolling_factor: bits.next(),
         },
         auxiliary_w: bits.next(),
         limits: CurrentLimits { discharge_a: bits.next(), charge_a: bits.next() },

@@ -27,6 +27,8 @@ const EXCEEDED_A: Real = 1e-3;
 /// Of the current of a battery's greatest power, what a limit beyond it leaves: at the greatest
 /// power itself a current does not follow from a power in single precision; here 99.9 % of it do.
 const GREATEST: Real = 0.97;
+/// The share of the voltage that is left there.
+pub(super) const COLLAPSED: Real = 1.0 - 0.5 * GREATEST;
 
 /// A step that keeps the limits, as far as commands can.
 pub(super) struct Kept<K> {
@@ -92,7 +94,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let v = state.body.speed_m_s.get();
         let half_v = 0.5 * bus.emf_v;
         let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
-        let draws = walk.battery_a > limits.discharge_a;
+        let draws =
+            walk.battery_a > limits.discharge_a || walk.battery_v < COLLAPSED * bus.emf_v;
         if !draws {
             highest_w = LARGEST;
         }

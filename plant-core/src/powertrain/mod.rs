@@ -312,6 +312,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         walk: &Walk<D::Link>,
         next: &B::State,
         input: &PowertrainInput<C>,
+        emf_v: Real,
     ) -> bool {
         let battery_a = walk.battery_a;
         let least_a = min(battery_a, battery_a - walk.review.field_w / walk.battery_v);
@@ -319,7 +320,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         // not a number is refused further on.
         let broken = !walk.review.fits
             || battery_a > input.limits.discharge_a
-            || least_a < -input.limits.charge_a;
+            || least_a < -input.limits.charge_a
+            || self.battery.may_collapse() && walk.battery_v < limit::COLLAPSED * emf_v;
         !broken && self.battery.allows(battery_a, least_a, next)
     }
 
@@ -345,7 +347,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let mut battery = self.battery.next(&state.battery, walk.battery_a);
         let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
-        if !self.keeps_limits(&walk, &battery, &input) {
+        if !self.keeps_limits(&walk, &battery, &input, bus.emf_v) {
             let kept = self.keep_limits(
                 state,
                 input.gates,

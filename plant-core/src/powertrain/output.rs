@@ -166,7 +166,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             coulomb: speed_m_s,
             gear: gear_n * speed_m_s,
             drag: drag_n_s_per_m * (v + road.headwind_m_s) * v,
-            rolling: road.grade.cos * speed_m_s,
+            rolling: road.rolling_factor * road.grade.cos * speed_m_s,
             brake: road.brake_n * speed_m_s,
             potential: road.grade.sin * v,
             numerical: machines.numerical

@@ -10,7 +10,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, CurrentLimits, OpenCircuit, RcBranchParams};
+use crate::battery::{BatteryParams, CurrentLimits, OpenCircuit, RcBranchParams, VoltageLimits};
 use crate::converter::ConverterParams;
 use crate::machine::dc::DcMotorParams;
 use crate::mechanics::body::{BodyParams, Road, RoadResistance};
@@ -32,6 +32,7 @@ const FULL: PowertrainParams = PowertrainParams {
         polarisation: RcBranchParams { resistance_ohm: 0.05, capacitance_f: 2.0 },
         discharge_limit_a: 300.0,
         charge_limit_a: 200.0,
+        voltage_limits: VoltageLimits::NONE,
     },
     auxiliary: AuxiliaryParams { power_w: 700.0, resistance_ohm: 90.0, cut_out_v: 200.0 },
     drives: DriveParams {
@@ -128,6 +129,7 @@ fn cases(plant: &Plant) -> Vec<(State, PowertrainInput)> {
             grade: Grade::from_sin(0.1 * n.next()),
             headwind_m_s: 10.0 * n.next(),
             brake_n: 1000.0 * (1.0 + n.next()),
+            ..Road::default()
         };
         let auxiliary_w = if k.is_multiple_of(2) { 0.0 } else { 1000.0 * (1.0 + n.next()) };
         // Around the duty at which nothing flows, or anything.

@@ -7,7 +7,9 @@ mod batteries;
 pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, MappedBatteryParams, OpenCircuit, RcBranchParams};
+use crate::battery::{
+    BatteryParams, MappedBatteryParams, OpenCircuit, RcBranchParams, VoltageLimits,
+};
 use crate::control::driver::{DriverParams, TorqueDriverParams};
 use crate::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use crate::converter::ConverterParams;
@@ -114,6 +116,7 @@ pub const EPOWERTRAIN_UDDS_TABLE: Vehicle = Vehicle {
             polarisation: RcBranchParams { resistance_ohm: 1e-3, capacitance_f: 1e-6 },
             discharge_limit_a: 400.0,
             charge_limit_a: 400.0,
+            voltage_limits: VoltageLimits::NONE,
         },
         auxiliary: AuxiliaryParams::NONE,
         drives: DriveParams {
@@ -177,6 +180,7 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
             polarisation: RcBranchParams { resistance_ohm: 1.7834e-4, capacitance_f: 9532.9 },
             discharge_limit_a: 400.0,
             charge_limit_a: 400.0,
+            voltage_limits: VoltageLimits::NONE,
         },
         auxiliary: AuxiliaryParams { resistance_ohm: 80.4765, ..AuxiliaryParams::NONE },
         drives: DriveParams {

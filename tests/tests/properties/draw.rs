@@ -3,7 +3,7 @@
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{
     BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
-    OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+    OverSoc, RcBranchParams, ResistanceMap, ThermalParams, VoltageLimits,
 };
 use plant_core::control::driver::TorqueDriverParams;
 use plant_core::control::foc::FocParams;
@@ -119,6 +119,7 @@ pub fn battery(d: &mut Draw) -> BatteryParams {
         polarisation: rc_branch(d),
         discharge_limit_a: d.near_or(300.0, Real::INFINITY),
         charge_limit_a: d.near_or(200.0, Real::INFINITY),
+        voltage_limits: VoltageLimits::NONE,
     }
 }
 
@@ -148,6 +149,7 @@ pub fn mapped_battery(d: &mut Draw) -> MappedBatteryParams {
         capacity_ah,
         discharge_limit_a,
         charge_limit_a,
+        voltage_limits: VoltageLimits::NONE,
         refresh_s: d.near(0.1),
         open_circuit,
         hysteresis: HysteresisParams {

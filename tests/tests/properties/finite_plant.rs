@@ -33,7 +33,7 @@ fn powertrain_with_its_ledger() {
         let start = model.at_speed(soc, speed).unwrap();
         keeps(start, &inputs, |s, [duty, sin, cos, headwind_m_s, brake_n, auxiliary_w]| {
             let cos = cos + Grade::from_sin(sin).cos;
-            let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n };
+            let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n, ..Road::default() };
             let out =
                 model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             ((out, model.energy(&start, s)), out.rejected)

@@ -1,7 +1,7 @@
 //! A limit holds at any step, in `f32` and in its f64 twin, without exception.
 
 use plant_core::Real;
-use plant_core::battery::BatteryParams;
+use plant_core::battery::{BatteryParams, VoltageLimits};
 use plant_core::converter::ConverterParams;
 use plant_core::powertrain::{DriveParams, PowertrainParams};
 use proptest::prelude::*;
@@ -22,20 +22,35 @@ const FLIP: f64 = 2e-3;
 /// Flips for which there is a reason: a standstill, a limit that ends, a battery that becomes full.
 const FLIPS: u32 = 6;
 
+/// Now and then voltages that may act, around the one at rest.
+fn voltage_limits(d: &mut Draw, battery: &BatteryParams, soc: Real) -> VoltageLimits {
+    let (below, above) = (0.1 + d.ratio(), 0.1 + d.ratio());
+    if !d.seldom() {
+        return VoltageLimits::NONE;
+    }
+    let rest_v = battery.open_circuit.at(soc);
+    let width_v = 0.2 * (battery.open_circuit.at(1.0) - battery.open_circuit.at(0.0));
+    VoltageLimits {
+        lowest_v: (rest_v - below * width_v).max(0.0),
+        highest_v: rest_v + above * width_v,
+    }
+}
+
 /// A plant with tight limits now and then, and near-empty or near-full now and then.
 fn case(d: &mut Draw) -> (PowertrainParams, Real) {
     let plant = draw::plant(d);
     let tight = if d.seldom() { 0.05 } else { 1.0 };
-    let battery = BatteryParams {
-        discharge_limit_a: tight * plant.battery.discharge_limit_a,
-        charge_limit_a: tight * plant.battery.charge_limit_a,
-        ..plant.battery
-    };
     let current_limit_a = if d.seldom() { d.near(300.0) } else { 1e9 };
     let converter = ConverterParams { duty_limit: 1.0, current_limit_a, ..plant.drives.converter };
     let soc = d.ratio();
     let margin = d.near(1e-6).min(0.5);
     let soc = if d.seldom() { if soc > 0.5 { 1.0 - margin } else { margin } } else { soc };
+    let battery = BatteryParams {
+        discharge_limit_a: tight * plant.battery.discharge_limit_a,
+        charge_limit_a: tight * plant.battery.charge_limit_a,
+        voltage_limits: voltage_limits(d, &plant.battery, soc),
+        ..plant.battery
+    };
     let drives = DriveParams { converter, ..plant.drives };
     (PowertrainParams { battery, drives, ..plant }, soc)
 }
@@ -82,7 +97,7 @@ macro_rules! keeps_limits {
         let grade = Grade::from_sin(of(c.sin));
         let asked = CurrentLimits { discharge_a: of(c.discharge_a), charge_a: of(c.charge_a) };
         let input = PowertrainInput {
-            road: Road { grade, headwind_m_s: 0.0, brake_n: of(c.brake_n) },
+            road: Road { grade, brake_n: of(c.brake_n), ..Road::default() },
             auxiliary_w: of(c.auxiliary_w),
             limits: asked,
             ..PowertrainInput::on(of(c.duty))

@@ -39,7 +39,7 @@ fn stays_finite_in_the_plant() {
         let model = plant.with_battery(battery).build(dt).unwrap();
         keeps(model.at_rest(soc).unwrap(), &inputs, |s, [duty, sin, brake_n, auxiliary_w]| {
             let grade = Grade { sin, ..Grade::from_sin(sin) };
-            let road = Road { grade, headwind_m_s: 0.0, brake_n };
+            let road = Road { grade, brake_n, ..Road::default() };
             let out =
                 model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             (out, out.rejected)

@@ -63,7 +63,7 @@ proptest! {
         let mut start = plant.at_speed(0.5, speed).unwrap();
         start.drives = Accum::new(current);
         let at = |brake_n| {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n, ..Road::default() };
             plant.step(&mut start.clone(), PowertrainInput { road, auxiliary_w: 0.0, ..PowertrainInput::on(duty) })
         };
         let (less, more) = (at(one.min(other)), at(one.max(other)));
@@ -87,7 +87,7 @@ proptest! {
         let mut start = plant.at_speed(0.5, speed).unwrap();
         start.drives = Accum::new(current);
         let at = |duty| {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s: 0.0, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), brake_n, ..Road::default() };
             plant.step(&mut start.clone(), PowertrainInput { road, auxiliary_w: 0.0, ..PowertrainInput::on(duty) })
         };
         let (low, high) = (at(one.min(other)), at(one.max(other)));

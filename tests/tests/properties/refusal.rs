@@ -1,7 +1,10 @@
 //! Every `new` refuses each bad field by name and takes what is valid.
 
 use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
-use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranch, RcBranchParams};
+use plant_core::battery::{
+    Battery, BatteryParams, MappedBattery, MappedBatteryParams, OpenCircuit, RcBranch,
+    RcBranchParams, VoltageLimits,
+};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::foc::{Foc, FocParams};
 use plant_core::control::pid::{Pid, PidParams};
@@ -102,7 +105,7 @@ fn battery() {
         series_resistance_ohm: POSITIVE,
         discharge_limit_a: LIMIT,
         charge_limit_a: LIMIT,
-    } beside open_circuit, polarisation);
+    } beside open_circuit, polarisation, voltage_limits);
     let polarisation = PLANT.battery.polarisation;
     refuses!(|p| RcBranch::new(p, DT), RcBranchParams: polarisation, {
         resistance_ohm: POSITIVE,
@@ -113,6 +116,24 @@ fn battery() {
         resistance_ohm: POSITIVE,
         capacitance_f: POSITIVE,
     });
+}
+
+#[test]
+fn voltage_limits() {
+    let good = VoltageLimits { lowest_v: 300.0, highest_v: 400.0 };
+    let make = |voltage_limits| Battery::new(BatteryParams { voltage_limits, ..PLANT.battery }, DT);
+    refuses!(make, VoltageLimits: good, {
+        lowest_v: &[-1e-9, -1.0, 1e13, NAN, INF],
+        highest_v: &[0.0, -1.0, 300.0, NAN, -INF],
+    });
+    let mapped = MappedBatteryParams::constant(PLANT.battery);
+    let make =
+        |voltage_limits| MappedBattery::new(MappedBatteryParams { voltage_limits, ..mapped }, DT);
+    refuses!(make, VoltageLimits: good, {
+        lowest_v: &[-1.0, NAN],
+        highest_v: &[300.0, NAN],
+    });
+    assert!(make(VoltageLimits::NONE).is_ok());
 }
 
 #[test]

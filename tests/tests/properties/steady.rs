@@ -1,7 +1,7 @@
 //! The steady state does not depend on the step: one first-order step is exact where nothing
 //! changes.
 
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
 use plant_core::converter::ConverterParams;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams};
 use plant_core::{Dt, Real};
@@ -32,6 +32,7 @@ fn bench(d: &mut Draw) -> PowertrainParams {
         polarisation: RcBranchParams { resistance_ohm: 0.02, capacitance_f: d.near(5.0) },
         discharge_limit_a: Real::INFINITY,
         charge_limit_a: Real::INFINITY,
+        voltage_limits: VoltageLimits::NONE,
         ..plant.battery
     };
     plant.auxiliary.cut_out_v = 1.0;

@@ -17,9 +17,9 @@ use crate::check::{cases, log, positive, signed};
 use crate::draw::{self, PLAUSIBLE, drawn};
 
 fn mirrored(input: PowertrainInput) -> PowertrainInput {
-    let Road { grade, headwind_m_s, brake_n } = input.road;
+    let Road { grade, headwind_m_s, .. } = input.road;
     let grade = Grade { sin: -grade.sin, ..grade };
-    let road = Road { grade, headwind_m_s: -headwind_m_s, brake_n };
+    let road = Road { grade, headwind_m_s: -headwind_m_s, ..input.road };
     PowertrainInput { gates: Gates::On(-input.gates.modulation().unwrap()), road, ..input }
 }
 
@@ -51,7 +51,7 @@ proptest! {
         let (mut s, mut m) = (plant.at_speed(soc, speed).unwrap(), plant.at_speed(soc, -speed).unwrap());
         (s.drives, m.drives) = (Accum::new(current), Accum::new(-current));
         for (duty, sin, headwind_m_s, brake_n, auxiliary_w) in inputs {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n, ..Road::default() };
             let input = PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) };
             let (out, mirror) = (plant.step(&mut s, input), plant.step(&mut m, mirrored(input)));
             let moves = [out.drives.duty, out.speed_m_s, out.distance_m, out.drives.motor_a, out.drives.motor_nm];

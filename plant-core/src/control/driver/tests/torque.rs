@@ -35,7 +35,7 @@ fn drive_for(
         let command =
             driver.step(&mut d, DriverInput { reference_m_s, reference_m_s2, vehicle: seen });
         let grade = Grade::from_sin(slope_sin);
-        let road = Road { grade, brake_n: command.brake_n, headwind_m_s: 0.0 };
+        let road = Road { grade, brake_n: command.brake_n, ..Road::default() };
         let out = plant.step(&mut s, PowertrainInput { road, ..PowertrainInput::on(command.duty) });
         assert!(!out.rejected && !command.rejected);
         seen = Feedback::from(&out);
