@@ -1,7 +1,8 @@
 //! Limits on the axis of a winding that makes the torque: which current keeps them.
 //!
 //! Within one step a winding takes the power `x·(e + r·x + l·(x − i))` from the bus to end at the
-//! current x, and `x·(e + r·x)` to hold it. It is ours.
+//! current x, and `x·(e + r·x)` to hold it. Everything is counted as an increment x − i, so that the
+//! voltage of a large inductance over a short step keeps its digits. It is ours.
 //!
 //! Discharging, the power of the step itself is bounded: less current, less power, so that is
 //! stable. Charging it is not, as a voltage that lowers the power lets the current grow: there the
@@ -45,61 +46,67 @@ pub(super) struct AxisBounds {
 }
 
 impl Axis {
-    pub const fn power_w(&self, x: Real) -> Real {
-        x * (self.held_v(x) + self.inductance_ohm * (x - self.current_a))
+    /// The power of a step by this increment.
+    pub const fn power_w(&self, rise_a: Real) -> Real {
+        (self.current_a + rise_a) * (self.held_v() + self.step_ohm() * rise_a)
     }
 
-    const fn held_v(&self, x: Real) -> Real {
-        self.back_emf_v + self.resistance_ohm * x
+    /// The power of holding a current.
+    const fn held_w(&self, x: Real) -> Real {
+        x * (self.back_emf_v + self.resistance_ohm * x)
     }
 
-    /// The current nearest to `want` that keeps the bounds, `ends_at` being the one at which the
-    /// command would settle.
+    /// The voltage that holds the current of the start.
+    const fn held_v(&self) -> Real {
+        self.back_emf_v + self.resistance_ohm * self.current_a
+    }
+
+    const fn step_ohm(&self) -> Real {
+        self.inductance_ohm + self.resistance_ohm
+    }
+
+    /// The increment nearest to `want` that keeps the bounds, `ends_at` being the current at which
+    /// the command would settle.
     ///
     /// From within the edge the step lands on it. A current beyond decays with L/r, under the voltage
     /// that belongs to the edge, so that the battery's current exceeds its limit by the factor
     /// |i|/|edge| at most.
     pub fn held(&self, want: Real, ends_at: Real, bounds: &AxisBounds) -> (Real, Held) {
-        let most_a = bounds.current_a;
-        let (mut x, mut held) = (clamp(want, -most_a, most_a), Held::No);
-        if x != want {
+        let (i, most_a) = (self.current_a, bounds.current_a);
+        let (mut rise_a, mut held) = (clamp(want, -most_a - i, most_a - i), Held::No);
+        if rise_a != want {
             held = Held::Current;
         }
-        if self.power_w(x) > bounds.highest_w {
+        if self.power_w(rise_a) > bounds.highest_w {
             // Braking by drawing may end as braking that charges.
-            (x, held) = (self.at_power(bounds.highest_w, x), Held::Discharge);
+            (rise_a, held) = (self.at_power(bounds.highest_w, i + rise_a), Held::Discharge);
         }
-        let ends_at = clamp(ends_at, -most_a, most_a);
-        let charges = ends_at * self.held_v(ends_at) < bounds.lowest_held_w;
-        if !charges && self.power_w(x) >= bounds.lowest_w {
-            return (x, held);
+        let charges = self.held_w(clamp(ends_at, -most_a, most_a)) < bounds.lowest_held_w;
+        if !charges && self.power_w(rise_a) >= bounds.lowest_w {
+            return (rise_a, held);
         }
-        let free = x;
+        let free = rise_a;
         // Counted in the direction in which the machine brakes.
         let direction = if self.back_emf_v > 0.0 { -1.0 } else { 1.0 };
-        let carried = direction * self.current_a;
-        let edge = self.edge(bounds.lowest_held_w);
-        let share = self.resistance_ohm / (self.inductance_ohm + self.resistance_ohm);
-        let decayed = carried + (edge - carried) * share;
-        if charges || direction * x > carried {
-            let braking = direction * x;
-            x = if carried <= edge {
-                direction * min(braking, edge)
+        let (carried, braking) = (direction * i, direction * (i + rise_a));
+        let to_edge = self.edge(bounds.lowest_held_w) - carried;
+        let decayed = direction * to_edge * (self.resistance_ohm / self.step_ohm());
+        if charges || direction * rise_a > 0.0 {
+            if to_edge >= 0.0 {
+                rise_a = direction * min(direction * rise_a, to_edge);
             } else if braking > 0.0 {
-                direction * decayed
-            } else {
-                x
-            };
-        }
-        if self.power_w(x) < bounds.lowest_w {
-            let mut least = self.released(bounds.lowest_w);
-            if carried > 0.0 {
-                least = min(least, decayed);
+                rise_a = decayed;
             }
-            let side = sign(self.current_a);
-            x = side * max(side * x, least);
         }
-        (x, if x == free { held } else { Held::Charge })
+        if self.power_w(rise_a) < bounds.lowest_w {
+            let side = sign(i);
+            let mut least = side * self.released(bounds.lowest_w);
+            if carried > 0.0 {
+                least = min(least, side * decayed);
+            }
+            rise_a = side * max(side * rise_a, least);
+        }
+        (rise_a, if rise_a == free { held } else { Held::Charge })
     }
 
     /// The largest braking current, in that direction, up to which holding takes no less than
@@ -114,26 +121,43 @@ impl Axis {
         }
     }
 
-    /// The least magnitude to which a current may fall in one step for what its field gives up.
+    /// The increment down to the least current for which its field does not give up too much.
     fn released(&self, lowest_w: Real) -> Real {
-        let a = self.inductance_ohm + self.resistance_ohm;
-        let b = self.inductance_ohm * self.current_a.abs() - sign(self.current_a) * self.back_emf_v;
-        let discriminant = b * b + 4.0 * a * (RELEASE * lowest_w);
-        if discriminant > 0.0 { 0.5 * max(b + sqrt(discriminant), 0.0) / a } else { 0.0 }
+        match self.roots(RELEASE * lowest_w) {
+            Some((one, two)) => {
+                let side = sign(self.current_a);
+                side * max(max(side * one, side * two), -self.current_a.abs())
+            }
+            None => -self.current_a,
+        }
     }
 
-    /// The root of `(l + r)·x² + (e − l·i)·x = p` on the side of `near`, p ≥ 0.
-    fn at_power(&self, p: Real, near: Real) -> Real {
-        let a = self.inductance_ohm + self.resistance_ohm;
-        let b = self.back_emf_v - self.inductance_ohm * self.current_a;
-        // Without cancellation.
-        let root = sqrt(b * b + 4.0 * a * p);
-        let q = -0.5 * (b + if b < 0.0 { -root } else { root });
-        if q == 0.0 {
-            return 0.0;
+    /// The increment to a power ≥ 0, the current on the side of `near`.
+    fn at_power(&self, power_w: Real, near: Real) -> Real {
+        match self.roots(power_w) {
+            Some((one, two)) if (self.current_a + one > 0.0) == (near > 0.0) => {
+                // Both may be, to rounding.
+                let other = (self.current_a + two > 0.0) == (near > 0.0) && two.abs() < one.abs();
+                if other { two } else { one }
+            }
+            Some((_, two)) => two,
+            None => -self.current_a,
         }
-        let (one, two) = (q / a, -p / q);
-        if (one > 0.0) == (near > 0.0) { one } else { two }
+    }
+
+    /// The increments that lead to a power: the roots of
+    /// `(l + r)·Δ² + (e + r·i + (l + r)·i)·Δ + i·(e + r·i) − p`.
+    fn roots(&self, power_w: Real) -> Option<(Real, Real)> {
+        let (a, held_v) = (self.step_ohm(), self.held_v());
+        let b = held_v + a * self.current_a;
+        let c = self.current_a * held_v - power_w;
+        let discriminant = b * b - 4.0 * a * c;
+        if discriminant < 0.0 {
+            return None;
+        }
+        // Without cancellation.
+        let q = -0.5 * (b + if b < 0.0 { -sqrt(discriminant) } else { sqrt(discriminant) });
+        if q == 0.0 { Some((0.0, 0.0)) } else { Some((q / a, c / q)) }
     }
 }
 

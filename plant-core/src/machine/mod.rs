@@ -138,15 +138,15 @@ pub struct Bounds {
 /// A machine behind its converter, seen from the road: what the coupled plant asks of it.
 ///
 /// Every step goes down once ([`law`](Self::law)), checks the solution ([`review`](Self::review)) and
-/// comes back ([`settle`](Self::settle)). Where a limit acts, the machine says which currents come
-/// nearest to its wish ([`hold`](Self::hold)), and [`impose`](Self::impose) makes them.
+/// comes back ([`settle`](Self::settle)). Where a limit acts, the machine says which current comes
+/// nearest to its wish ([`hold`](Self::hold)), and [`impose`](Self::impose) makes it.
 pub trait Machine: Copy {
     /// What it remembers: the winding's current; none by default.
     type State: Copy + Default;
     /// What its converter modulates with.
     type Modulation: Copy;
-    /// The winding's current.
-    type Current: Copy;
+    /// What a step adds to the winding's current \[A\].
+    type Rise: Copy;
     /// What the walk down leaves for the walk back.
     type Link: Copy;
     /// What a step says of it.
@@ -193,7 +193,7 @@ pub trait Machine: Copy {
 
     /// Whether the converter changed the command.
     fn is_clipped(link: &Self::Link) -> bool;
-    /// The winding's current that a solution leads to; where it pulls the bus down beyond the
+    /// What a solution adds to the winding's current; where it pulls the bus down beyond the
     /// battery's greatest power (`collapsed`), as much as can be in that direction.
     fn reached(
         &self,
@@ -201,35 +201,35 @@ pub trait Machine: Copy {
         link: &Self::Link,
         solved: Solved,
         collapsed: bool,
-    ) -> Self::Current;
-    /// The current nearest to one that the winding may carry.
-    fn within_winding(&self, current: Self::Current) -> Self::Current;
-    /// The powers of a current, the speed at the end of the step being `speed_m_s`.
+    ) -> Self::Rise;
+    /// The nearest that the winding may carry.
+    fn within_winding(&self, state: &Self::State, rise: Self::Rise) -> Self::Rise;
+    /// The powers that it takes, the speed at the end of the step being `speed_m_s`.
     fn wish(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        current: Self::Current,
+        rise: Self::Rise,
         speed_m_s: Real,
     ) -> Wish;
-    /// What a current does at the road.
-    fn force(&self, link: &Self::Link, current: Self::Current) -> DriveLaw;
-    /// The current nearest to `want` that keeps the winding's limit and the bounds.
+    /// What it does at the road.
+    fn force(&self, state: &Self::State, link: &Self::Link, rise: Self::Rise) -> DriveLaw;
+    /// The rise nearest to `want` that keeps the winding's limit and the bounds.
     fn hold(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        want: Self::Current,
+        want: Self::Rise,
         footing: Footing,
         bounds: &Bounds,
-    ) -> (Self::Current, Held);
-    /// The step that ends with a current: its link, and, where the converter cannot make the
+    ) -> (Self::Rise, Held);
+    /// The step that makes a rise: its link, and, where the converter cannot make the
     /// voltage, the command that comes nearest.
     fn impose(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        current: Self::Current,
+        rise: Self::Rise,
         speed_m_s: Real,
         bus_v: Real,
     ) -> (Self::Link, Option<Gates<Self::Modulation>>);

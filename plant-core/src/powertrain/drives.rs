@@ -269,8 +269,8 @@ pub trait Drives: Copy {
     type State: Copy + Default;
     /// What the walk down leaves for the walk back.
     type Link: Copy;
-    /// The windings' currents.
-    type Currents: Copy;
+    /// What a step adds to the windings' currents.
+    type Rises: Copy;
     /// What a step says of them.
     type Output: Copy;
     /// How often the currents within a limit are sought: the drives move one another's road.
@@ -327,35 +327,35 @@ pub trait Drives: Copy {
         link: &Self::Link,
         solved: Solved,
         collapsed: bool,
-    ) -> Self::Currents;
+    ) -> Self::Rises;
     /// See [`Machine::within_winding`].
-    fn within_winding(&self, currents: Self::Currents) -> Self::Currents;
+    fn within_winding(&self, state: &Self::State, rises: Self::Rises) -> Self::Rises;
     /// See [`Machine::wish`].
     fn wishes(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        currents: Self::Currents,
+        rises: Self::Rises,
         speed_m_s: Real,
     ) -> Wishes;
     /// See [`Machine::force`].
-    fn force(&self, link: &Self::Link, currents: Self::Currents) -> DriveLaw;
+    fn force(&self, state: &Self::State, link: &Self::Link, rises: Self::Rises) -> DriveLaw;
     /// See [`Machine::hold`]: `wants` held to its share, given what the last pass found.
     fn hold(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        wants: Self::Currents,
-        found: Self::Currents,
+        wants: Self::Rises,
+        found: Self::Rises,
         mode: &Mode,
         shares: &Shares,
-    ) -> (Self::Currents, Held);
+    ) -> (Self::Rises, Held);
     /// See [`Machine::impose`]; the commands where one cannot be imposed.
     fn impose(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        currents: Self::Currents,
+        rises: Self::Rises,
         command: Self::Command,
         speed_m_s: Real,
         bus_v: Real,
@@ -366,7 +366,7 @@ impl<M: Machine> Drives for Drive<M> {
     type Command = Gates<M::Modulation>;
     type State = M::State;
     type Link = M::Link;
-    type Currents = M::Current;
+    type Rises = M::Rise;
     type Output = M::Output;
     const PASSES: u32 = 1;
 
@@ -466,43 +466,43 @@ impl<M: Machine> Drives for Drive<M> {
         link: &M::Link,
         solved: Solved,
         collapsed: bool,
-    ) -> M::Current {
+    ) -> M::Rise {
         self.machine.reached(state, link, solved, collapsed)
     }
 
-    fn within_winding(&self, current: M::Current) -> M::Current {
-        self.machine.within_winding(current)
+    fn within_winding(&self, state: &M::State, rise: M::Rise) -> M::Rise {
+        self.machine.within_winding(state, rise)
     }
 
     fn wishes(
         &self,
         state: &M::State,
         link: &M::Link,
-        current: M::Current,
+        rise: M::Rise,
         speed_m_s: Real,
     ) -> Wishes {
-        self.machine.wish(state, link, current, speed_m_s).into()
+        self.machine.wish(state, link, rise, speed_m_s).into()
     }
 
-    fn force(&self, link: &M::Link, current: M::Current) -> DriveLaw {
-        self.machine.force(link, current)
+    fn force(&self, state: &M::State, link: &M::Link, rise: M::Rise) -> DriveLaw {
+        self.machine.force(state, link, rise)
     }
 
     fn hold(
         &self,
         state: &M::State,
         link: &M::Link,
-        want: M::Current,
-        found: M::Current,
+        want: M::Rise,
+        found: M::Rise,
         mode: &Mode,
         shares: &Shares,
-    ) -> (M::Current, Held) {
-        let others_n = mode.force_n - self.machine.force(link, found).effort;
+    ) -> (M::Rise, Held) {
+        let others_n = mode.force_n - self.machine.force(state, link, found).effort;
         let footing = Footing {
             speed_m_s: mode.coasting_m_s + mode.mobility * others_n,
             mobility: mode.mobility,
         };
-        let carried = self.machine.within_winding(want);
+        let carried = self.machine.within_winding(state, want);
         let bounds = shares.bounds(self.machine.wish(state, link, carried, mode.ended_m_s()));
         self.machine.hold(state, link, want, footing, &bounds)
     }
@@ -511,12 +511,12 @@ impl<M: Machine> Drives for Drive<M> {
         &self,
         state: &M::State,
         link: &M::Link,
-        current: M::Current,
+        rise: M::Rise,
         _command: Self::Command,
         speed_m_s: Real,
         bus_v: Real,
     ) -> (M::Link, Option<Self::Command>) {
-        self.machine.impose(state, link, current, speed_m_s, bus_v)
+        self.machine.impose(state, link, rise, speed_m_s, bus_v)
     }
 }
 
@@ -545,7 +545,7 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
     type Command = (A::Command, B::Command);
     type State = (A::State, B::State);
     type Link = (A::Link, B::Link);
-    type Currents = (A::Currents, B::Currents);
+    type Rises = (A::Rises, B::Rises);
     type Output = (A::Output, B::Output);
     const PASSES: u32 = 3;
 
@@ -665,41 +665,41 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         link: &Self::Link,
         solved: Solved,
         collapsed: bool,
-    ) -> Self::Currents {
+    ) -> Self::Rises {
         (
             self.0.reached(&state.0, &link.0, solved, collapsed),
             self.1.reached(&state.1, &link.1, solved, collapsed),
         )
     }
 
-    fn within_winding(&self, currents: Self::Currents) -> Self::Currents {
-        (self.0.within_winding(currents.0), self.1.within_winding(currents.1))
+    fn within_winding(&self, state: &Self::State, rises: Self::Rises) -> Self::Rises {
+        (self.0.within_winding(&state.0, rises.0), self.1.within_winding(&state.1, rises.1))
     }
 
     fn wishes(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        currents: Self::Currents,
+        rises: Self::Rises,
         speed_m_s: Real,
     ) -> Wishes {
-        self.0.wishes(&state.0, &link.0, currents.0, speed_m_s)
-            + self.1.wishes(&state.1, &link.1, currents.1, speed_m_s)
+        self.0.wishes(&state.0, &link.0, rises.0, speed_m_s)
+            + self.1.wishes(&state.1, &link.1, rises.1, speed_m_s)
     }
 
-    fn force(&self, link: &Self::Link, currents: Self::Currents) -> DriveLaw {
-        self.0.force(&link.0, currents.0) + self.1.force(&link.1, currents.1)
+    fn force(&self, state: &Self::State, link: &Self::Link, rises: Self::Rises) -> DriveLaw {
+        self.0.force(&state.0, &link.0, rises.0) + self.1.force(&state.1, &link.1, rises.1)
     }
 
     fn hold(
         &self,
         state: &Self::State,
         link: &Self::Link,
-        wants: Self::Currents,
-        found: Self::Currents,
+        wants: Self::Rises,
+        found: Self::Rises,
         mode: &Mode,
         shares: &Shares,
-    ) -> (Self::Currents, Held) {
+    ) -> (Self::Rises, Held) {
         let (a, one) = self.0.hold(&state.0, &link.0, wants.0, found.0, mode, shares);
         let (b, two) = self.1.hold(&state.1, &link.1, wants.1, found.1, mode, shares);
         ((a, b), if one == Held::No { two } else { one })
@@ -709,15 +709,15 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         &self,
         state: &Self::State,
         link: &Self::Link,
-        currents: Self::Currents,
+        rises: Self::Rises,
         command: Self::Command,
         speed_m_s: Real,
         bus_v: Real,
     ) -> (Self::Link, Option<Self::Command>) {
         let (a, one) =
-            self.0.impose(&state.0, &link.0, currents.0, command.0, speed_m_s, bus_v);
+            self.0.impose(&state.0, &link.0, rises.0, command.0, speed_m_s, bus_v);
         let (b, two) =
-            self.1.impose(&state.1, &link.1, currents.1, command.1, speed_m_s, bus_v);
+            self.1.impose(&state.1, &link.1, rises.1, command.1, speed_m_s, bus_v);
         let nearest = match (one, two) {
             (None, None) => None,
             (one, two) => Some((one.unwrap_or(command.0), two.unwrap_or(command.1))),

@@ -22,7 +22,7 @@ const TRIES: u32 = 3;
 /// What flows beyond a limit counts as exceeding it from this share of the current on.
 const EXCEEDED_REL: Real = 1e-3;
 /// And from this much on \[A\].
-const EXCEEDED_A: Real = 1e-3;
+const EXCEEDED_A: Real = 2e-3;
 
 /// Of the current of a battery's greatest power, what a limit beyond it leaves: at the greatest
 /// power itself a current does not follow from a power in single precision; here 99.9 % of it do.
@@ -102,16 +102,16 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         // A duty beyond that of the greatest power asks for more and brings less.
         let collapsed = draws && walk.battery_v < half_v;
         let wants = self.drives.reached(&state.drives, link, walk.solved(), collapsed);
-        let carried = self.drives.within_winding(wants);
+        let carried = self.drives.within_winding(&state.drives, wants);
         let mut motion = walk.motion;
-        let (mut currents, mut held) = (carried, Held::No);
+        let (mut rises, mut held) = (carried, Held::No);
         for pass in 1..=D::PASSES + TRIES {
             let slip = motion.slip;
-            let mode = mode(resistance, v, slip, self.drives.force(link, currents).effort);
+            let mode = mode(resistance, v, slip, self.drives.force(&state.drives, link, rises).effort);
             let wishes = self.drives.wishes(&state.drives, link, carried, mode.ended_m_s());
             let shares = wishes.shares(lowest_w, highest_w, bus.emf_v, bus.resistance_ohm);
-            (currents, held) = self.drives.hold(&state.drives, link, wants, currents, &mode, &shares);
-            motion = resistance.solve(self.drives.force(link, currents), v);
+            (rises, held) = self.drives.hold(&state.drives, link, wants, rises, &mode, &shares);
+            motion = resistance.solve(self.drives.force(&state.drives, link, rises), v);
             if motion.slip == slip && pass >= D::PASSES {
                 break;
             }
@@ -125,11 +125,11 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             Held::Current | Held::No => Limited::Current,
         };
         let ended_m_s = v + motion.increment_m_s;
-        let power_w = self.drives.wishes(&state.drives, link, currents, ended_m_s).power_w;
+        let power_w = self.drives.wishes(&state.drives, link, rises, ended_m_s).power_w;
         let headroom = half_v * half_v - bus.resistance_ohm * power_w;
         let bus_v = half_v + sqrt(max(headroom, 0.0));
         let (imposed, nearest) =
-            self.drives.impose(&state.drives, link, currents, command, ended_m_s, bus_v);
+            self.drives.impose(&state.drives, link, rises, command, ended_m_s, bus_v);
         let walk = match nearest {
             None => self.reviewed(state, imposed, loads, motion, bus_v - state.battery_v),
             Some(command) => {

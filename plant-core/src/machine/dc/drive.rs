@@ -134,6 +134,13 @@ impl DcDrive {
         )
     }
 
+    /// The voltage before the converter's drop that makes a rise of the current \[V\].
+    fn terminal_v(&self, current_a: Real, rise_a: Real, speed_m_s: Real) -> Real {
+        let drop_v = sign(current_a + rise_a) * self.converter.params.voltage_drop_v;
+        let held_v = self.back_emf * speed_m_s + self.resistance_ohm * current_a + drop_v;
+        held_v + (self.inductance_ohm + self.resistance_ohm) * rise_a
+    }
+
     /// What a solution adds to the current \[A\].
     #[inline(always)]
     fn increment_a(&self, link: &DcLink, solved: Solved) -> Real {
@@ -154,10 +161,7 @@ impl DcDrive {
         let reached_a = self.toward_a(torque_nm, current_a);
         let force_n = self.effort_per_a * reached_a;
         let ended_m_s = seen.footing.speed_m_s + seen.footing.mobility * force_n;
-        let voltage_v = self.inductance_ohm * (reached_a - current_a)
-            + self.resistance_ohm * reached_a
-            + self.back_emf * ended_m_s
-            + sign(reached_a) * self.converter.params.voltage_drop_v;
+        let voltage_v = self.terminal_v(current_a, reached_a - current_a, ended_m_s);
         voltage_v / max(seen.bus_v, 1.0)
     }
 }
@@ -165,7 +169,7 @@ impl DcDrive {
 impl Machine for DcDrive {
     type State = Accum;
     type Modulation = Real;
-    type Current = Real;
+    type Rise = Real;
     type Link = DcLink;
     type Output = DcDriveOutput;
 
@@ -313,29 +317,29 @@ impl Machine for DcDrive {
         solved: Solved,
         collapsed: bool,
     ) -> Real {
-        let reached_a = state.get() + self.increment_a(link, solved);
+        let (i, rise_a) = (state.get(), self.increment_a(link, solved));
         if collapsed {
-            return sign(reached_a) * LARGEST;
+            return sign(i + rise_a) * LARGEST;
         }
         // Diodes do not conduct backwards.
-        if !link.on && link.duty * reached_a > 0.0 { 0.0 } else { reached_a }
+        if !link.on && link.duty * (i + rise_a) > 0.0 { -i } else { rise_a }
     }
 
-    fn within_winding(&self, x: Real) -> Real {
-        let most_a = self.converter.params.current_limit_a;
-        clamp(x, -most_a, most_a)
+    fn within_winding(&self, state: &Accum, rise_a: Real) -> Real {
+        let (i, most_a) = (state.get(), self.converter.params.current_limit_a);
+        clamp(rise_a, -most_a - i, most_a - i)
     }
 
-    fn wish(&self, state: &Accum, link: &DcLink, x: Real, speed_m_s: Real) -> Wish {
-        let drop_v = sign(x) * self.converter.params.voltage_drop_v;
-        let held_v = self.back_emf * speed_m_s + self.resistance_ohm * x + drop_v;
-        let _ = link;
-        let field_v = self.inductance_ohm * (x - state.get());
-        Wish { now_w: x * (held_v + field_v), held_w: x * held_v }
+    fn wish(&self, state: &Accum, _link: &DcLink, rise_a: Real, speed_m_s: Real) -> Wish {
+        let x = state.get() + rise_a;
+        Wish {
+            now_w: x * self.terminal_v(state.get(), rise_a, speed_m_s),
+            held_w: x * self.terminal_v(x, 0.0, speed_m_s),
+        }
     }
 
-    fn force(&self, _link: &DcLink, x: Real) -> DriveLaw {
-        DriveLaw { effort: self.effort_per_a * x, slope: 0.0 }
+    fn force(&self, state: &Accum, _link: &DcLink, rise_a: Real) -> DriveLaw {
+        DriveLaw { effort: self.effort_per_a * (state.get() + rise_a), slope: 0.0 }
     }
 
     fn hold(
@@ -355,17 +359,17 @@ impl Machine for DcDrive {
             inductance_ohm: self.inductance_ohm,
             resistance_ohm: self.resistance_ohm
                 + self.back_emf * self.effort_per_a * footing.mobility,
-            back_emf_v: emf_v + sign(want) * drop_v,
+            back_emf_v: emf_v + sign(state.get() + want) * drop_v,
             current_a: state.get(),
         };
         let driving_v = link.duty * bounds.bus_v - emf_v;
         let settles_v = driving_v - clamp(driving_v, -drop_v, drop_v);
         let mut ends_at =
             settles_v / (axis.resistance_ohm + link.duty * link.duty * bounds.bus_ohm);
-        if want.abs() == LARGEST {
-            ends_at = want;
+        if link.duty * ends_at * bounds.bus_ohm > 0.5 * bounds.bus_v {
+            // Beyond the battery's greatest power: it draws whatever it can.
+            ends_at = sign(ends_at) * LARGEST;
         }
-        let most_a = self.converter.params.current_limit_a;
         axis.held(
             want,
             ends_at,
@@ -373,7 +377,7 @@ impl Machine for DcDrive {
                 lowest_w: bounds.lowest_w,
                 lowest_held_w: bounds.lowest_w,
                 highest_w: bounds.highest_w,
-                current_a: most_a,
+                current_a: self.converter.params.current_limit_a,
             },
         )
     }
@@ -382,26 +386,17 @@ impl Machine for DcDrive {
         &self,
         state: &Accum,
         link: &DcLink,
-        x: Real,
+        rise_a: Real,
         speed_m_s: Real,
         bus_v: Real,
     ) -> (DcLink, Option<Gates>) {
-        let increment_a = x - state.get();
+        let x = state.get() + rise_a;
         let drop_v = sign(x) * self.converter.params.voltage_drop_v;
-        let imposed = DcLink {
-            drop_v,
-            free_a: increment_a,
-            admittance_s: 0.0,
-            ..*link
-        };
+        let imposed = DcLink { drop_v, free_a: rise_a, admittance_s: 0.0, ..*link };
         if !link.on {
             return (DcLink { duty: -sign(x), ..imposed }, None);
         }
-        let voltage_v = self.back_emf * speed_m_s
-            + self.resistance_ohm * x
-            + drop_v
-            + self.inductance_ohm * increment_a;
-        let asked = voltage_v / bus_v;
+        let asked = self.terminal_v(state.get(), rise_a, speed_m_s) / bus_v;
         let duty = self.converter.allowed_duty(asked);
         let nearest = if duty == asked { None } else { Some(Gates::On(duty)) };
         (DcLink { duty, ..imposed }, nearest)
