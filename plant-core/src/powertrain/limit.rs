@@ -12,8 +12,8 @@ use super::solve::{Loads, Walk};
 use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::{CurrentLimits, Pack};
 use crate::machine::Held;
-use crate::mechanics::body::Resistance;
-use crate::num::{LARGEST, Real, max, min, sqrt};
+use crate::mechanics::body::{Motion, Resistance};
+use crate::num::{LARGEST, Real, clamp, max, min, sqrt};
 use crate::port::{Slip, Source};
 use crate::powertrain::ledger::Book;
 
@@ -35,6 +35,8 @@ pub(super) struct Kept<K> {
     pub walk: Walk<K>,
     pub limited: Limited,
     pub starved: bool,
+    /// What draws beside the drives; less where that is starved.
+    pub loads: Loads,
     /// What flows beyond the battery's limits all the same \[A\].
     pub exceeded_a: Real,
 }
@@ -58,23 +60,29 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         resistance: Resistance,
     ) -> Kept<D::Link> {
         let limits = self.battery.faded(&state.battery).within(asked);
-        let mut bus = loads.leave(source);
+        let bus = loads.leave(source);
         if !walk.review.fits {
             // Or a winding's own limit, where this changes nothing.
             let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, &resistance));
             walk = self.solve(state, law, &loads, bus, &resistance);
         }
-        let starved = walk.battery_a > limits.discharge_a
-            && loads.current_a(bus.emf_v) > limits.discharge_a;
+        let (mut walk, limited) =
+            self.held(state, command, walk, &loads, source, bus, &resistance, limits);
+        // The drives have given what they can; the loads get what is left.
+        let starved = loads.current_a(bus.emf_v) > limits.discharge_a
+            && walk.battery_a > limits.discharge_a;
         if starved {
-            (loads, bus) = (Loads::STARVED, source);
-            let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, &resistance));
-            walk = self.solve(state, law, &loads, bus, &resistance);
+            let battery_v = source.voltage_v(limits.discharge_a);
+            let drives_a = walk.review.bus_a * walk.battery_v / battery_v;
+            let share = (limits.discharge_a - drives_a) / loads.current_a(battery_v);
+            loads = loads.times(clamp(share, 0.0, 1.0));
+            let rises = self.drives.reached(&state.drives, &walk.link, walk.solved(), false);
+            let at = At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
+            walk = self.imposed(state, &walk, rises, walk.motion, battery_v, &at);
         }
-        let (walk, limited) = self.held(state, command, walk, &loads, source, bus, &resistance, limits);
         let over_a = max(walk.battery_a - limits.discharge_a, -walk.battery_a - limits.charge_a);
         let exceeded = over_a > EXCEEDED_REL * walk.battery_a.abs() + EXCEEDED_A;
-        Kept { walk, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
+        Kept { walk, loads, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
     }
 
     #[expect(clippy::too_many_arguments, reason = "one step's values")]
@@ -91,9 +99,9 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         limits: CurrentLimits,
     ) -> (Walk<D::Link>, Limited) {
         let link = &walk.link;
+        let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
         let v = state.body.speed_m_s.get();
         let half_v = 0.5 * bus.emf_v;
-        let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
         let draws =
             walk.battery_a > limits.discharge_a || walk.battery_v < COLLAPSED * bus.emf_v;
         if !draws {
@@ -128,17 +136,41 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let power_w = self.drives.wishes(&state.drives, link, rises, ended_m_s).power_w;
         let headroom = half_v * half_v - bus.resistance_ohm * power_w;
         let bus_v = half_v + sqrt(max(headroom, 0.0));
-        let (imposed, nearest) =
-            self.drives.impose(&state.drives, link, rises, command, ended_m_s, bus_v);
-        let walk = match nearest {
-            None => self.reviewed(state, imposed, loads, motion, bus_v - state.battery_v),
-            Some(command) => {
-                let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, resistance));
-                self.solve(state, law, loads, bus, resistance)
-            }
-        };
-        (walk, limited)
+        let at = At { command, loads, bus, resistance };
+        (self.imposed(state, &walk, rises, motion, bus_v, &at), limited)
     }
+
+    /// The step that makes these rises of the currents at this bus voltage; where a converter cannot
+    /// make a voltage, what the nearest command leads to.
+    fn imposed(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+        walk: &Walk<D::Link>,
+        rises: D::Rises,
+        motion: Motion,
+        bus_v: Real,
+        at: &At<'_, D::Command>,
+    ) -> Walk<D::Link> {
+        let ended_m_s = state.body.speed_m_s.get() + motion.increment_m_s;
+        let (link, nearest) =
+            self.drives.impose(&state.drives, &walk.link, rises, at.command, ended_m_s, bus_v);
+        match nearest {
+            None => self.reviewed(state, link, at.loads, motion, bus_v - state.battery_v),
+            Some(command) => {
+                let seen = Self::seen(state, at.bus, at.resistance);
+                let law = self.drives.law_rectified(&state.drives, command, seen);
+                self.solve(state, law, at.loads, at.bus, at.resistance)
+            }
+        }
+    }
+}
+
+/// What a solution depends on beside its state.
+struct At<'a, C> {
+    command: C,
+    loads: &'a Loads,
+    bus: Source,
+    resistance: &'a Resistance,
 }
 
 /// How the road answers in a friction mode.

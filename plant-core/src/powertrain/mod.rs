@@ -361,9 +361,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             if kept.limited != Limited::No {
                 limited = kept.limited;
             }
-            if starved {
-                loads = solve::Loads::STARVED;
-            }
+            loads = kept.loads;
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
             overcharged_c = self.battery.settle(&mut settled, walk.battery_a);

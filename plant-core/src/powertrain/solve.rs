@@ -26,9 +26,15 @@ pub(super) struct Loads {
 }
 
 impl Loads {
-    /// Cut off.
-    pub const STARVED: Self =
-        Self { any: true, constant_a: 0.0, resistor_s: 0.0, converter_s: 0.0 };
+    /// A share of them.
+    pub const fn times(&self, share: Real) -> Self {
+        Self {
+            any: self.any,
+            constant_a: self.constant_a * share,
+            resistor_s: self.resistor_s * share,
+            converter_s: self.converter_s * share,
+        }
+    }
 
     pub const fn current_a(&self, battery_v: Real) -> Real {
         self.constant_a + (self.resistor_s + self.converter_s) * battery_v

@@ -394,7 +394,8 @@ impl Machine for DcDrive {
         let drop_v = sign(x) * self.converter.params.voltage_drop_v;
         let imposed = DcLink { drop_v, free_a: rise_a, admittance_s: 0.0, ..*link };
         if !link.on {
-            return (DcLink { duty: -sign(x), ..imposed }, None);
+            // Where diodes conduct, the bus itself is their voltage.
+            return (imposed, if x == 0.0 { None } else { Some(Gates::Off) });
         }
         let asked = self.terminal_v(state.get(), rise_a, speed_m_s) / bus_v;
         let duty = self.converter.allowed_duty(asked);
