@@ -44,7 +44,7 @@ pub struct Review {
     /// Power into the field of the axis that makes the torque \[W\]: once it has grown, the bus is
     /// charged with so much more.
     pub field_w: Real,
-    /// The winding keeps its own limit; with gates off, the diodes do block.
+    /// The winding keeps its own limit, and what was supposed of diodes and drops holds.
     pub fits: bool,
     /// The sum of the magnitudes of what would enter the state.
     pub magnitude: Real,
@@ -162,8 +162,16 @@ pub trait Machine: Copy {
     ) -> (BusLaw, Self::Link);
     /// The force that a command is about to make at the road \[N\].
     fn expected_n(&self, state: &Self::State, gates: Gates<Self::Modulation>) -> Real;
-    /// The step with gates off where the diodes conduct.
-    fn rectified(&self, state: &Self::State, seen: Seen) -> (BusLaw, Self::Link);
+    /// The step again where a solution did not fit: diodes conduct that were supposed to block, or a
+    /// drop would drive a current.
+    fn law_again(
+        &self,
+        state: &Self::State,
+        gates: Gates<Self::Modulation>,
+        seen: Seen,
+        link: &Self::Link,
+        solved: Solved,
+    ) -> (BusLaw, Self::Link);
     /// What a solution leads to.
     fn review(&self, state: &Self::State, link: &Self::Link, solved: Solved) -> Review;
     /// Back: books a solution.

@@ -285,12 +285,14 @@ pub trait Drives: Copy {
     fn torque_share(&self) -> Real;
     /// See [`Machine::expected_n`].
     fn expected_n(&self, state: &Self::State, command: Self::Command) -> Real;
-    /// The same where diodes conduct that [`law`](Self::law) supposed to block.
-    fn law_rectified(
+    /// See [`Machine::law_again`].
+    fn law_again(
         &self,
         state: &Self::State,
         command: Self::Command,
         seen: Seen,
+        link: &Self::Link,
+        solved: Solved,
     ) -> (BusLaw, Self::Link);
     /// See [`Machine::review`].
     fn review(&self, state: &Self::State, link: &Self::Link, solved: Solved) -> Review;
@@ -389,16 +391,15 @@ impl<M: Machine> Drives for Drive<M> {
         self.machine.expected_n(state, command)
     }
 
-    fn law_rectified(
+    fn law_again(
         &self,
         state: &M::State,
         command: Self::Command,
         seen: Seen,
+        link: &M::Link,
+        solved: Solved,
     ) -> (BusLaw, M::Link) {
-        match command {
-            Gates::Off => self.machine.rectified(state, seen),
-            _ => self.machine.law(state, command, seen),
-        }
+        self.machine.law_again(state, command, seen, link, solved)
     }
 
     #[inline(always)]
@@ -574,15 +575,17 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         self.0.expected_n(&state.0, command.0) + self.1.expected_n(&state.1, command.1)
     }
 
-    fn law_rectified(
+    fn law_again(
         &self,
         state: &Self::State,
         command: Self::Command,
         seen: Seen,
+        link: &Self::Link,
+        solved: Solved,
     ) -> (BusLaw, Self::Link) {
         let (of_one, of_two) = self.seen(state, command, seen);
-        let (one, a) = self.0.law_rectified(&state.0, command.0, of_one);
-        let (two, b) = self.1.law_rectified(&state.1, command.1, of_two);
+        let (one, a) = self.0.law_again(&state.0, command.0, of_one, &link.0, solved);
+        let (two, b) = self.1.law_again(&state.1, command.1, of_two, &link.1, solved);
         (one + two, (a, b))
     }
 

@@ -63,7 +63,9 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let bus = loads.leave(source);
         if !walk.review.fits {
             // Or a winding's own limit, where this changes nothing.
-            let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, &resistance));
+            let seen = Self::seen(state, bus, &resistance);
+            let solved = walk.solved();
+            let law = self.drives.law_again(&state.drives, command, seen, &walk.link, solved);
             walk = self.solve(state, law, &loads, bus, &resistance);
         }
         let (mut walk, limited) =
@@ -158,7 +160,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             None => self.reviewed(state, link, at.loads, motion, bus_v - state.battery_v),
             Some(command) => {
                 let seen = Self::seen(state, at.bus, at.resistance);
-                let law = self.drives.law_rectified(&state.drives, command, seen);
+                let solved = walk.solved();
+                let law = self.drives.law_again(&state.drives, command, seen, &walk.link, solved);
                 self.solve(state, law, at.loads, at.bus, at.resistance)
             }
         }

@@ -208,9 +208,22 @@ impl Machine for DcDrive {
             }
     }
 
-    fn rectified(&self, state: &Accum, seen: Seen) -> (BusLaw, DcLink) {
+    fn law_again(
+        &self,
+        state: &Accum,
+        gates: Gates,
+        seen: Seen,
+        link: &DcLink,
+        solved: Solved,
+    ) -> (BusLaw, DcLink) {
         let i = state.get();
         let emf_v = self.back_emf * seen.speed_m_s;
+        if !matches!(gates, Gates::Off) {
+            if link.drop_v * (i + self.increment_a(link, solved)) < 0.0 {
+                return (BusLaw::default(), DcLink::blocked(i, emf_v, link.duty, true));
+            }
+            return self.law(state, gates, seen);
+        }
         let drop_v = self.converter.params.voltage_drop_v;
         let free_v = self.inductance_ohm * i - emf_v;
         if free_v.abs() <= seen.bus_v + drop_v {
@@ -229,6 +242,7 @@ impl Machine for DcDrive {
         let fits = if link.on {
             // Asked so that what is not a number does not fit.
             reached_a.abs() <= self.converter.params.current_limit_a
+                && (self.converter.params.voltage_drop_v == 0.0 || link.drop_v * reached_a >= 0.0)
         } else if link.duty == 0.0 {
             let free_v = self.inductance_ohm * i - link.emf_v - self.back_emf * solved.dv;
             free_v.abs() <= solved.bus_v + self.converter.params.voltage_drop_v
