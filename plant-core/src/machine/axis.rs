@@ -139,15 +139,12 @@ impl Axis {
         }
     }
 
-    /// The increment to a power ≥ 0, the current on the side of `near`.
+    /// The increment to a power ≥ 0, the current on the side of `near`. One root lies on either side,
+    /// or at no current.
     fn at_power(&self, power_w: Real, near: Real) -> Real {
         match self.roots(power_w) {
-            Some((one, two)) if (self.current_a + one > 0.0) == (near > 0.0) => {
-                // Both may be, to rounding.
-                let other = (self.current_a + two > 0.0) == (near > 0.0) && two.abs() < one.abs();
-                if other { two } else { one }
-            }
-            Some((_, two)) => two,
+            Some((one, two)) if near > 0.0 => max(one, two),
+            Some((one, two)) => min(one, two),
             None => -self.current_a,
         }
     }
