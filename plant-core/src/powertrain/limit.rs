@@ -11,7 +11,7 @@ use super::drives::{Drives, Mode};
 use super::solve::{Loads, Walk};
 use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::{CurrentLimits, Pack};
-use crate::machine::Held;
+use crate::machine::{Held, Solved};
 use crate::mechanics::body::{Motion, Resistance};
 use crate::num::{LARGEST, Real, clamp, max, min, sqrt};
 use crate::port::{Slip, Source};
@@ -59,14 +59,14 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         source: Source,
         resistance: Resistance,
     ) -> Kept<D::Link> {
-        let limits = self.battery.faded(&state.battery).within(asked);
+        let mut limits = self.battery.faded(&state.battery).within(asked);
+        // No more than the source can give at all.
+        let greatest_a = GREATEST * 0.5 * source.emf_v / source.resistance_ohm;
+        limits.discharge_a = min(limits.discharge_a, greatest_a);
         let bus = loads.leave(source);
         if !walk.review.fits {
             // Or a winding's own limit, where this changes nothing.
-            let seen = Self::seen(state, bus, &resistance);
-            let solved = walk.solved();
-            let law = self.drives.law_again(&state.drives, command, seen, &walk.link, solved);
-            walk = self.solve(state, law, &loads, bus, &resistance);
+            walk = self.again(state, command, &walk.link, &loads, bus, &resistance);
         }
         let (mut walk, limited) =
             self.held(state, command, walk, &loads, source, bus, &resistance, limits);
@@ -78,7 +78,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             let drives_a = walk.review.bus_a * walk.battery_v / battery_v;
             let share = (limits.discharge_a - drives_a) / loads.current_a(battery_v);
             loads = loads.times(clamp(share, 0.0, 1.0));
-            let rises = self.drives.reached(&state.drives, &walk.link, walk.solved(), false);
+            let rises = self.drives.reached(&state.drives, &walk.link, false);
             let at = At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
             walk = self.imposed(state, &walk, rises, walk.motion, battery_v, &at);
         }
@@ -111,7 +111,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         }
         // A duty beyond that of the greatest power asks for more and brings less.
         let collapsed = draws && walk.battery_v < half_v;
-        let wants = self.drives.reached(&state.drives, link, walk.solved(), collapsed);
+        let wants = self.drives.reached(&state.drives, link, collapsed);
         let carried = self.drives.within_winding(&state.drives, wants);
         let mut motion = walk.motion;
         let (mut rises, mut held) = (carried, Held::No);
@@ -157,14 +157,26 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let (link, nearest) =
             self.drives.impose(&state.drives, &walk.link, rises, at.command, ended_m_s, bus_v);
         match nearest {
-            None => self.reviewed(state, link, at.loads, motion, bus_v - state.battery_v),
+            None => self.reviewed(state, at.loads, Solved { link, bus_v, motion }),
             Some(command) => {
-                let seen = Self::seen(state, at.bus, at.resistance);
-                let solved = walk.solved();
-                let law = self.drives.law_again(&state.drives, command, seen, &walk.link, solved);
-                self.solve(state, law, at.loads, at.bus, at.resistance)
+                self.again(state, command, &walk.link, at.loads, at.bus, at.resistance)
             }
         }
+    }
+
+    /// The step under a command, where what the first supposed did not fit.
+    fn again(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+        command: D::Command,
+        link: &D::Link,
+        loads: &Loads,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Walk<D::Link> {
+        let seen = Self::seen(state, bus, resistance);
+        let (law, link) = self.drives.law_again(&state.drives, command, seen, link);
+        self.reviewed(state, loads, self.drives.closed(law, link, seen, bus, resistance))
     }
 }
 
@@ -192,9 +204,7 @@ fn mode(resistance: &Resistance, speed_m_s: Real, slip: Slip, force_n: Real) -> 
 fn drive_power_w(loads: &Loads, source: Source, limits: CurrentLimits) -> (Real, Real) {
     let charging_v = source.voltage_v(-limits.charge_a);
     let fed_a = limits.charge_a + loads.current_a(charging_v);
-    // No more than the source can give at all.
-    let drawn_a = min(limits.discharge_a, GREATEST * 0.5 * source.emf_v / source.resistance_ohm);
-    let drawing_v = source.voltage_v(drawn_a);
-    let left_a = max(drawn_a - loads.current_a(drawing_v), 0.0);
+    let drawing_v = source.voltage_v(limits.discharge_a);
+    let left_a = max(limits.discharge_a - loads.current_a(drawing_v), 0.0);
     (-fed_a * charging_v, left_a * drawing_v)
 }
