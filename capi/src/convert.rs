@@ -12,7 +12,7 @@ use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::SocTable;
-use plant_core::powertrain::{Powertrain, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainParams, TORQUE_RATE_PER_S};
 use plant_core::presets::Vehicle;
 
 use crate::params::{
@@ -39,26 +39,30 @@ impl VoltstepParams {
                 resistance_ohm: self.auxiliary.resistance_ohm,
                 cut_out_v: self.auxiliary.cut_out_v,
             },
-            converter: ConverterParams {
-                duty_limit: self.converter.duty_limit,
-                constant_loss_w: self.converter.constant_loss_w,
-                voltage_drop_v: self.converter.voltage_drop_v,
-                resistance_ohm: self.converter.resistance_ohm,
-                current_limit_a: self.converter.current_limit_a,
-            },
-            motor: DcMotorParams {
-                resistance_ohm: self.motor.resistance_ohm,
-                inductance_h: self.motor.inductance_h,
-                back_emf_v_s_per_rad: self.motor.back_emf_v_s_per_rad,
-                torque_nm_per_a: self.motor.torque_nm_per_a,
-                inertia_kg_m2: self.motor.inertia_kg_m2,
-                viscous_nm_s_per_rad: self.motor.viscous_nm_s_per_rad,
-                coulomb_nm: self.motor.coulomb_nm,
-            },
-            gearbox: GearboxParams {
-                ratio: self.gearbox.ratio,
-                efficiency: self.gearbox.efficiency,
-                inertia_kg_m2: self.gearbox.inertia_kg_m2,
+            drives: DriveParams {
+                converter: ConverterParams {
+                    duty_limit: self.converter.duty_limit,
+                    constant_loss_w: self.converter.constant_loss_w,
+                    voltage_drop_v: self.converter.voltage_drop_v,
+                    resistance_ohm: self.converter.resistance_ohm,
+                    current_limit_a: self.converter.current_limit_a,
+                },
+                motor: DcMotorParams {
+                    resistance_ohm: self.motor.resistance_ohm,
+                    inductance_h: self.motor.inductance_h,
+                    back_emf_v_s_per_rad: self.motor.back_emf_v_s_per_rad,
+                    torque_nm_per_a: self.motor.torque_nm_per_a,
+                    inertia_kg_m2: self.motor.inertia_kg_m2,
+                    viscous_nm_s_per_rad: self.motor.viscous_nm_s_per_rad,
+                    coulomb_nm: self.motor.coulomb_nm,
+                },
+                gearbox: GearboxParams {
+                    ratio: self.gearbox.ratio,
+                    efficiency: self.gearbox.efficiency,
+                    inertia_kg_m2: self.gearbox.inertia_kg_m2,
+                },
+                torque_rate_per_s: TORQUE_RATE_PER_S,
+                torque_share: 1.0,
             },
             wheel: WheelParams {
                 radius_m: self.wheel.radius_m,

@@ -332,7 +332,7 @@ pub unsafe extern "C" fn voltstep_state_snapshot(
 ) -> VoltstepStatus {
     // SAFETY: as promised by the caller; whether `state` was initialised is checked inside.
     let seen = unsafe { shared(state) }.map(|State { plant, seen, .. }| VoltstepSnapshot {
-        current_a: plant.current_a.into(),
+        current_a: plant.drives.into(),
         speed_m_s: plant.body.speed_m_s.into(),
         distance_m: plant.body.distance_m.into(),
         soc: plant.battery.soc.into(),

@@ -130,7 +130,7 @@ impl BusRise {
 
 impl BusLaw {
     /// On a source, which eliminates the voltage: with `ρ = R/(1 + R·ΣY)`,
-    /// `u = (E − V_0 − R·ΣI_0)/(1 + R·ΣY) + ρ·ΣT·Δ`, V_0 = `from_v` being the voltage that the laws
+    /// `u = (E − V_0 − R·ΣI_0)/(1 + R·ΣY) + ρ·ΣT·Δ`, `V_0` = `from_v` being the voltage that the laws
     /// count from. Nothing is lost where the rise is small against it.
     #[inline(always)]
     #[must_use]

@@ -183,7 +183,8 @@ fn plant_at_duty(vehicle: &Vehicle, n: u32, pick: usize) -> Vec<f64> {
     let h = LONGEST_S / f64::from(1_u32 << n);
     let plant = Powertrain::new(vehicle.powertrain, dt(h)).unwrap();
     let mut s = plant.at_speed(0.8, 10.0).unwrap();
-    let idle = vehicle.powertrain.drives.motor.back_emf_v_s_per_rad * plant.motor_rad_per_m() * 10.0;
+    let idle =
+        vehicle.powertrain.drives.motor.back_emf_v_s_per_rad * plant.motor_rad_per_m() * 10.0;
     let duty = idle / s.battery_v;
     at_common_instants(LONGEST_S, n, 1.0, |t| {
         let duty = duty * (1.0 + 0.3 * smooth(t + h));

@@ -191,7 +191,8 @@ impl Battery {
         let source_resistance_ohm = series_resistance_ohm + rc.implicit_ohm();
         Ok(Self {
             // At half of the voltage; a polarised battery has less.
-            may_collapse: limits.discharge_a * source_resistance_ohm > 0.4 * open_circuit.lowest_v(),
+            may_collapse: limits.discharge_a * source_resistance_ohm
+                > 0.4 * open_circuit.lowest_v(),
             open_circuit,
             series_resistance_ohm,
             source_resistance_ohm,

@@ -279,8 +279,7 @@ impl TorqueDriver {
         let radius_m = check!(positive("wheel.radius_m", vehicle.wheel.radius_m));
         let ratio = check!(positive("gearbox.ratio", vehicle.drives.gearbox.ratio));
         let motor_rad_per_m = ratio / radius_m;
-        let inertia =
-            vehicle.drives.motor.inertia_kg_m2 + vehicle.drives.gearbox.inertia_kg_m2;
+        let inertia = vehicle.drives.motor.inertia_kg_m2 + vehicle.drives.gearbox.inertia_kg_m2;
         let mass_kg = vehicle.body.mass_kg
             + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
             + inertia * motor_rad_per_m * motor_rad_per_m;

@@ -82,8 +82,14 @@ pub struct MachineFlows {
 
 impl MachineFlows {
     /// One for each term.
-    pub const ONES: Self =
-        Self { converter: 1.0, copper: 1.0, conversion: 1.0, iron: 1.0, field: 1.0, numerical: 1.0 };
+    pub const ONES: Self = Self {
+        converter: 1.0,
+        copper: 1.0,
+        conversion: 1.0,
+        iron: 1.0,
+        field: 1.0,
+        numerical: 1.0,
+    };
 
     /// Term by term.
     #[inline(always)]
@@ -163,6 +169,8 @@ pub trait Machine: Copy {
     type Link: Copy;
     /// What a step says of it.
     type Output: Copy;
+    /// Iron and field have terms of their own in the ledger.
+    const THREE_PHASE: bool = false;
 
     /// Down the chain: the step under a command. With gates off, that the diodes block is only
     /// supposed; [`review`](Self::review) says whether they do.
@@ -231,12 +239,7 @@ pub trait Machine: Copy {
     fn is_clipped(link: &Self::Link) -> bool;
     /// What a solution adds to the winding's current; where it pulls the bus down beyond the
     /// battery's greatest power (`collapsed`), as much as can be in that direction.
-    fn reached(
-        &self,
-        state: &Self::State,
-        link: &Self::Link,
-        collapsed: bool,
-    ) -> Self::Rise;
+    fn reached(&self, state: &Self::State, link: &Self::Link, collapsed: bool) -> Self::Rise;
     /// The nearest that the winding may carry.
     fn within_winding(&self, state: &Self::State, rise: Self::Rise) -> Self::Rise;
     /// The powers that it takes, the speed at the end of the step being `speed_m_s`.

@@ -7,7 +7,8 @@
 
 use crate::converter::{ConverterParams, Gates};
 use crate::error::{ParamError, check, positive};
-use crate::machine::dc::{DcDrive, DcMotorParams};
+use crate::machine::dc::{DcDrive, DcMotor, DcMotorParams};
+use crate::machine::pmsm::{Pmsm, PmsmDrive, PmsmParams};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
 use crate::mechanics::body::Resistance;
 use crate::mechanics::gearbox::{Gearbox, GearboxParams};
@@ -145,15 +146,30 @@ impl DriveParams<DcMotorParams> {
     pub const fn on(self, wheel: WheelParams, dt: Dt) -> Result<Axles<Drive<DcDrive>>, ParamError> {
         let chain = check!(Chain::new(self.converter, self.gearbox, wheel, dt));
         let rate = check!(positive("drive.torque_rate_per_s", self.torque_rate_per_s));
-        let motor = check!(crate::machine::dc::DcMotor::new(self.motor, dt));
-        let machine = check!(DcDrive::new(
-            &self.motor,
-            self.converter,
-            rate,
-            chain.motor_rad_per_m,
-            dt
-        ));
+        let motor = check!(DcMotor::new(self.motor, dt));
+        let machine =
+            check!(DcDrive::new(&self.motor, self.converter, rate, chain.motor_rad_per_m, dt));
         let share = check!(positive("drive.torque_share", self.torque_share));
+        Ok(chain.axles(machine, motor.coast(), share))
+    }
+}
+
+impl DriveParams<PmsmParams> {
+    /// Checks the parameters and discretises them for steps of `dt` of a vehicle on these wheels.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn on(
+        self,
+        wheel: WheelParams,
+        dt: Dt,
+    ) -> Result<Axles<Drive<PmsmDrive>>, ParamError> {
+        let chain = check!(Chain::new(self.converter, self.gearbox, wheel, dt));
+        let rate = check!(positive("drive.torque_rate_per_s", self.torque_rate_per_s));
+        let share = check!(positive("drive.torque_share", self.torque_share));
+        let motor = check!(Pmsm::new(self.motor, dt));
+        let ratio = chain.motor_rad_per_m;
+        let machine = check!(PmsmDrive::new(&self.motor, self.converter, rate, ratio, dt));
         Ok(chain.axles(machine, motor.coast(), share))
     }
 }
@@ -173,6 +189,7 @@ pub struct Shares {
 
 /// What all drives want from the bus \[W\].
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_field_names, reason = "the unit")]
 pub struct Wishes {
     /// The sum over the step, and, where that is less, once held.
     pub(super) power_w: Real,
@@ -276,6 +293,8 @@ pub trait Drives: Copy {
     type Output: Copy;
     /// How often the currents within a limit are sought: the drives move one another's road.
     const PASSES: u32;
+    /// One of them has three phases.
+    const THREE_PHASE: bool;
 
     /// See [`Machine::law`].
     fn law(&self, state: &Self::State, command: Self::Command, seen: Seen) -> (BusLaw, Self::Link);
@@ -352,12 +371,7 @@ pub trait Drives: Copy {
     /// Whether a converter changed its command.
     fn is_clipped(link: &Self::Link) -> bool;
     /// See [`Machine::reached`].
-    fn reached(
-        &self,
-        state: &Self::State,
-        link: &Self::Link,
-        collapsed: bool,
-    ) -> Self::Rises;
+    fn reached(&self, state: &Self::State, link: &Self::Link, collapsed: bool) -> Self::Rises;
     /// See [`Machine::within_winding`].
     fn within_winding(&self, state: &Self::State, rises: Self::Rises) -> Self::Rises;
     /// See [`Machine::wish`].
@@ -399,6 +413,7 @@ impl<M: Machine> Drives for Drive<M> {
     type Rises = M::Rise;
     type Output = M::Output;
     const PASSES: u32 = 1;
+    const THREE_PHASE: bool = M::THREE_PHASE;
 
     #[inline(always)]
     fn law(&self, state: &M::State, command: Self::Command, seen: Seen) -> (BusLaw, M::Link) {
@@ -505,12 +520,7 @@ impl<M: Machine> Drives for Drive<M> {
         M::is_clipped(link)
     }
 
-    fn reached(
-        &self,
-        state: &M::State,
-        link: &M::Link,
-        collapsed: bool,
-    ) -> M::Rise {
+    fn reached(&self, state: &M::State, link: &M::Link, collapsed: bool) -> M::Rise {
         self.machine.reached(state, link, collapsed)
     }
 
@@ -518,13 +528,7 @@ impl<M: Machine> Drives for Drive<M> {
         self.machine.within_winding(state, rise)
     }
 
-    fn wishes(
-        &self,
-        state: &M::State,
-        link: &M::Link,
-        rise: M::Rise,
-        speed_m_s: Real,
-    ) -> Wishes {
+    fn wishes(&self, state: &M::State, link: &M::Link, rise: M::Rise, speed_m_s: Real) -> Wishes {
         self.machine.wish(state, link, rise, speed_m_s).into()
     }
 
@@ -592,6 +596,7 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
     type Rises = (A::Rises, B::Rises);
     type Output = (A::Output, B::Output);
     const PASSES: u32 = 3;
+    const THREE_PHASE: bool = A::THREE_PHASE || B::THREE_PHASE;
 
     #[inline(always)]
     fn law(&self, state: &Self::State, command: Self::Command, seen: Seen) -> (BusLaw, Self::Link) {
@@ -661,10 +666,7 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
 
     #[inline(always)]
     fn output(&self, state: &Self::State, link: &Self::Link, speed_m_s: Real) -> Self::Output {
-        (
-            self.0.output(&state.0, &link.0, speed_m_s),
-            self.1.output(&state.1, &link.1, speed_m_s),
-        )
+        (self.0.output(&state.0, &link.0, speed_m_s), self.1.output(&state.1, &link.1, speed_m_s))
     }
 
     #[inline(always)]
@@ -709,16 +711,8 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         A::is_clipped(&link.0) || B::is_clipped(&link.1)
     }
 
-    fn reached(
-        &self,
-        state: &Self::State,
-        link: &Self::Link,
-        collapsed: bool,
-    ) -> Self::Rises {
-        (
-            self.0.reached(&state.0, &link.0, collapsed),
-            self.1.reached(&state.1, &link.1, collapsed),
-        )
+    fn reached(&self, state: &Self::State, link: &Self::Link, collapsed: bool) -> Self::Rises {
+        (self.0.reached(&state.0, &link.0, collapsed), self.1.reached(&state.1, &link.1, collapsed))
     }
 
     fn within_winding(&self, state: &Self::State, rises: Self::Rises) -> Self::Rises {
@@ -763,10 +757,8 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         speed_m_s: Real,
         bus_v: Real,
     ) -> (Self::Link, Option<Self::Command>) {
-        let (a, one) =
-            self.0.impose(&state.0, &link.0, rises.0, command.0, speed_m_s, bus_v);
-        let (b, two) =
-            self.1.impose(&state.1, &link.1, rises.1, command.1, speed_m_s, bus_v);
+        let (a, one) = self.0.impose(&state.0, &link.0, rises.0, command.0, speed_m_s, bus_v);
+        let (b, two) = self.1.impose(&state.1, &link.1, rises.1, command.1, speed_m_s, bus_v);
         let nearest = match (one, two) {
             (None, None) => None,
             (one, two) => Some((one.unwrap_or(command.0), two.unwrap_or(command.1))),

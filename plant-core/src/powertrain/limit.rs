@@ -71,15 +71,16 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let (mut walk, limited) =
             self.held(state, command, walk, &loads, source, bus, &resistance, limits);
         // The drives have given what they can; the loads get what is left.
-        let starved = loads.current_a(bus.emf_v) > limits.discharge_a
-            && walk.battery_a > limits.discharge_a;
+        let starved =
+            loads.current_a(bus.emf_v) > limits.discharge_a && walk.battery_a > limits.discharge_a;
         if starved {
             let battery_v = source.voltage_v(limits.discharge_a);
             let drives_a = walk.review.bus_a * walk.battery_v / battery_v;
             let share = (limits.discharge_a - drives_a) / loads.current_a(battery_v);
             loads = loads.times(clamp(share, 0.0, 1.0));
             let rises = self.drives.reached(&state.drives, &walk.link, false);
-            let at = At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
+            let at =
+                At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
             walk = self.imposed(state, &walk, rises, walk.motion, battery_v, &at);
         }
         let over_a = max(walk.battery_a - limits.discharge_a, -walk.battery_a - limits.charge_a);
@@ -104,8 +105,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
         let v = state.body.speed_m_s.get();
         let half_v = 0.5 * bus.emf_v;
-        let draws =
-            walk.battery_a > limits.discharge_a || walk.battery_v < COLLAPSED * bus.emf_v;
+        let draws = walk.battery_a > limits.discharge_a || walk.battery_v < COLLAPSED * bus.emf_v;
         if !draws {
             highest_w = LARGEST;
         }
@@ -117,7 +117,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let (mut rises, mut held) = (carried, Held::No);
         for pass in 1..=D::PASSES + TRIES {
             let slip = motion.slip;
-            let mode = mode(resistance, v, slip, self.drives.force(&state.drives, link, rises).effort);
+            let mode =
+                mode(resistance, v, slip, self.drives.force(&state.drives, link, rises).effort);
             let wishes = self.drives.wishes(&state.drives, link, carried, mode.ended_m_s());
             let shares = wishes.shares(lowest_w, highest_w, bus.emf_v, bus.resistance_ohm);
             (rises, held) = self.drives.hold(&state.drives, link, wants, rises, &mode, &shares);

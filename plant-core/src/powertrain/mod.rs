@@ -255,10 +255,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] for a state of charge outside 0..1.
-    pub fn at_rest(
-        &self,
-        soc: Real,
-    ) -> Result<PowertrainState<L, B::State, D::State>, ParamError> {
+    pub fn at_rest(&self, soc: Real) -> Result<PowertrainState<L, B::State, D::State>, ParamError> {
         self.at_speed(soc, 0.0)
     }
 
@@ -349,15 +346,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
         if !self.keeps_limits(&walk, &battery, &input, bus.emf_v) {
-            let kept = self.keep_limits(
-                state,
-                input.gates,
-                input.limits,
-                walk,
-                loads,
-                source,
-                resistance,
-            );
+            let kept =
+                self.keep_limits(state, input.gates, input.limits, walk, loads, source, resistance);
             (walk, starved, exceeded_a) = (kept.walk, kept.starved, kept.exceeded_a);
             if kept.limited != Limited::No {
                 limited = kept.limited;
@@ -394,8 +384,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         state.battery = battery;
         state.battery_v = walk.battery_v;
         if !self.plain || input.auxiliary_w > 0.0 {
-            state.cut_out_s =
-                self.auxiliary.cut_out_s(state.cut_out_s, walk.battery_v, self.dt_s);
+            state.cut_out_s = self.auxiliary.cut_out_s(state.cut_out_s, walk.battery_v, self.dt_s);
         }
 
         let v = state.body.speed_m_s.get();
@@ -411,7 +400,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             open_circuit_v,
             losses,
         );
-        state.ledger.book(&raw);
+        state.ledger.book(&raw, D::THREE_PHASE);
         if overcharged_c != 0.0 {
             state.ledger.book_overcharge(overcharged_c * open_circuit_v);
         }

@@ -4,8 +4,8 @@ use super::drives::Drives;
 use super::solve::{Loads, Walk};
 use super::{Powertrain, PowertrainState};
 use crate::battery::{Losses, Pack};
-use crate::machine::{Footing, MachineFlows, Seen};
 use crate::machine::dc::DcDriveOutput;
+use crate::machine::{Footing, MachineFlows, Seen};
 use crate::mechanics::body::Road;
 use crate::num::Real;
 use crate::port::Slip;
@@ -169,9 +169,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             rolling: road.rolling_factor * road.grade.cos * speed_m_s,
             brake: road.brake_n * speed_m_s,
             potential: road.grade.sin * v,
-            numerical: machines.numerical
-                + self.coast.inertia_per_h * dv * dv
-                + losses.numerical,
+            numerical: machines.numerical + self.coast.inertia_per_h * dv * dv + losses.numerical,
             throughput: electrochemical.abs(),
         }
     }

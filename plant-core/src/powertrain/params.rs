@@ -1,12 +1,13 @@
 //! What a powertrain is built from.
 
+use super::Powertrain;
 use super::drives::{Axles, Drive, DriveParams, Drives};
 use super::ledger::NoLedger;
-use super::Powertrain;
 use crate::auxiliary::AuxiliaryParams;
 use crate::battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams, Pack};
 use crate::error::ParamError;
 use crate::machine::dc::{DcDrive, DcMotorParams};
+use crate::machine::pmsm::{PmsmDrive, PmsmParams};
 use crate::mechanics::body::BodyParams;
 use crate::mechanics::wheel::WheelParams;
 use crate::model::Dt;
@@ -111,6 +112,13 @@ impl DrivesParams for DriveParams<DcMotorParams> {
     }
 }
 
+impl DrivesParams for DriveParams<PmsmParams> {
+    type Drives = Drive<PmsmDrive>;
+    fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<Drive<PmsmDrive>>, ParamError> {
+        self.on(wheel, dt)
+    }
+}
+
 impl<A: DrivesParams, B: DrivesParams> DrivesParams for (A, B) {
     type Drives = (A::Drives, B::Drives);
     fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<Self::Drives>, ParamError> {
@@ -119,8 +127,7 @@ impl<A: DrivesParams, B: DrivesParams> DrivesParams for (A, B) {
 }
 
 /// The plant of some parameters.
-type Plant<P, D> =
-    Powertrain<NoLedger, <P as PackParams>::Pack, <D as DrivesParams>::Drives>;
+type Plant<P, D> = Powertrain<NoLedger, <P as PackParams>::Pack, <D as DrivesParams>::Drives>;
 
 impl<P: PackParams, D: DrivesParams> PowertrainParams<P, D> {
     /// The plant that these parameters describe, for steps of `dt`.
@@ -133,4 +140,3 @@ impl<P: PackParams, D: DrivesParams> PowertrainParams<P, D> {
         Powertrain::of(self.battery.pack(dt)?, self.drives.axles(self.wheel, dt)?, &self, dt)
     }
 }
-

@@ -95,8 +95,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         solved: Solved<D::Link>,
     ) -> Walk<D::Link> {
         let Solved { link, bus_v: battery_v, motion } = solved;
-        let review =
-            self.drives.review(&state.drives, &link, battery_v, motion.increment_m_s);
+        let review = self.drives.review(&state.drives, &link, battery_v, motion.increment_m_s);
         let mut battery_a = review.bus_a;
         if loads.any {
             battery_a += loads.current_a(battery_v);

@@ -83,10 +83,8 @@ const PLAIN: PowertrainParams = PowertrainParams {
 fn with_one_load() -> [PowertrainParams; 5] {
     let (a, c) = (PLAIN.auxiliary, PLAIN.drives.converter);
     let auxiliary = |auxiliary| PowertrainParams { auxiliary, ..PLAIN };
-    let converter = |converter| PowertrainParams {
-        drives: DriveParams { converter, ..PLAIN.drives },
-        ..PLAIN
-    };
+    let converter =
+        |converter| PowertrainParams { drives: DriveParams { converter, ..PLAIN.drives }, ..PLAIN };
     [
         auxiliary(AuxiliaryParams { power_w: 700.0, ..a }),
         auxiliary(AuxiliaryParams { resistance_ohm: 90.0, ..a }),
@@ -178,6 +176,7 @@ fn sizes(p: &PowertrainParams) -> Sizes {
 }
 
 /// Checks one step against the equations; `h·F` of each force for the ledger's terms.
+#[allow(clippy::too_many_lines, reason = "one equation after the other")]
 fn holds(
     p: &PowertrainParams,
     before: &State,
@@ -323,10 +322,13 @@ fn every_step_keeps_the_equations_and_the_limits() {
             assert!(out.battery_a <= limits.discharge_a + rounding_a, "{out:?}");
             let over_a = -out.battery_a - limits.charge_a;
             assert!(over_a <= out.limit_exceeded_a + rounding_a, "{out:?}");
-            let (asked, limit) = (input.gates.modulation().unwrap(), params.drives.converter.duty_limit);
+            let (asked, limit) =
+                (input.gates.modulation().unwrap(), params.drives.converter.duty_limit);
             match out.limited {
                 Limited::No => assert_eq!(out.drives.duty, asked),
-                Limited::Duty => assert!(asked.abs() > limit && out.drives.duty.abs() == limit, "{out:?}"),
+                Limited::Duty => {
+                    assert!(asked.abs() > limit && out.drives.duty.abs() == limit, "{out:?}");
+                }
                 Limited::Discharge => {
                     // Braking by drawing may end before, at the charge limit of what is held; and
                     // within the converter's drop nothing flows.
@@ -335,7 +337,10 @@ fn every_step_keeps_the_equations_and_the_limits() {
                     let fades = before.battery.soc.get() < 1e-3;
                     assert!(held || brakes || fades, "{out:?}");
                 }
-                Limited::Charge => assert!(out.drives.motor_a * out.drives.motor_rad_s < 0.0, "{before:?} {input:?} {out:?}"),
+                Limited::Charge => assert!(
+                    out.drives.motor_a * out.drives.motor_rad_s < 0.0,
+                    "{before:?} {input:?} {out:?}"
+                ),
                 Limited::Current => {
                     let held = out.drives.motor_a.abs() - params.drives.converter.current_limit_a;
                     assert!(held <= 1e-3 || out.drives.duty.abs() == limit, "{out:?}");
@@ -343,7 +348,10 @@ fn every_step_keeps_the_equations_and_the_limits() {
             }
             // Only what the winding already carried is beyond the limit, or what no duty can hold.
             let carried = before.drives.get().abs() >= out.drives.motor_a.abs();
-            assert!(out.limit_exceeded_a == 0.0 || carried || out.drives.duty.abs() == limit, "{out:?}");
+            assert!(
+                out.limit_exceeded_a == 0.0 || carried || out.drives.duty.abs() == limit,
+                "{out:?}"
+            );
             seen[out.limited as usize] += 1;
             seen[5 + out.slip as usize] += 1;
             seen[8] += usize::from(out.auxiliary_starved);
@@ -358,7 +366,8 @@ fn every_step_keeps_the_equations_and_the_limits() {
 fn loads_a(p: &PowertrainParams, before: &State, input: &PowertrainInput) -> Real {
     let volts = before.battery_v;
     (p.auxiliary.power_w + input.auxiliary_w) / volts
-        + (1.0 / p.auxiliary.resistance_ohm + p.drives.converter.constant_loss_w / (volts * volts)) * 310.0
+        + (1.0 / p.auxiliary.resistance_ohm + p.drives.converter.constant_loss_w / (volts * volts))
+            * 310.0
 }
 
 #[test]

@@ -283,10 +283,7 @@ pub fn plant(d: &mut Draw) -> PowertrainParams {
     PowertrainParams {
         battery: battery(d),
         auxiliary: auxiliary(d),
-        drives: DriveParams {
-            converter: converter(d),
-            ..DriveParams::new(motor(d), gearbox(d))
-        },
+        drives: DriveParams { converter: converter(d), ..DriveParams::new(motor(d), gearbox(d)) },
         wheel: wheel(d),
         body: body(d),
     }

@@ -113,7 +113,8 @@ macro_rules! keeps_limits {
             // In single precision the power of the winding's field is known to some of its last
             // bits; near the battery's greatest power a current follows badly from a power.
             let most_a = motor_a.abs().max(carried_a.abs());
-            let field_w = f64::from($params.drives.motor.inductance_h / of(c.dt_s)) * most_a * most_a;
+            let field_w =
+                f64::from($params.drives.motor.inductance_h / of(c.dt_s)) * most_a * most_a;
             let per_a_v = f64::from(2.0 * out.battery_v - out.open_circuit_v).abs().max(0.1);
             let rounding_a = 2e-3
                 + HELD_REL * battery_a.abs()

@@ -62,7 +62,11 @@ fn both_drivers_follow_a_ramp_and_hold_a_speed() {
 fn peak_torque_and_power_limit_the_acceleration() {
     let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
     let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 0.0, 1000, |_| 50.0);
-    assert!((run.last.drives.motor_nm / p.peak_torque_nm - 1.0).abs() < 0.02, "{}", run.last.drives.motor_nm);
+    assert!(
+        (run.last.drives.motor_nm / p.peak_torque_nm - 1.0).abs() < 0.02,
+        "{}",
+        run.last.drives.motor_nm
+    );
     let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 0.0, 8000, |_| 50.0);
     let power_w = run.last.drives.motor_nm * run.last.drives.motor_rad_s;
     assert!((power_w / p.peak_power_w - 1.0).abs() < 0.02, "{power_w}");
@@ -153,6 +157,7 @@ fn refuses_each_bad_field_by_name() {
 /// One decision of a fresh torque driver against its rules, written once more.
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+#[allow(clippy::too_many_lines, reason = "one rule after the other")]
 fn a_decision_follows_the_rules() {
     let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
     let car = BMW_I3_60AH_CONSTANT.powertrain;
@@ -289,7 +294,10 @@ fn a_driver_sees_what_the_plant_says() {
         let out = plant.step(&mut state, PowertrainInput::on(duty));
         let seen = Feedback::from(&out);
         assert_eq!(seen.limited, out.limited != Limited::No);
-        assert_eq!((seen.speed_m_s, seen.motor_a, seen.soc), (out.speed_m_s, out.drives.motor_a, out.soc));
+        assert_eq!(
+            (seen.speed_m_s, seen.motor_a, seen.soc),
+            (out.speed_m_s, out.drives.motor_a, out.soc)
+        );
         assert_eq!((seen.battery_v, seen.duty), (out.battery_v, out.drives.duty));
         assert!(n >= 50 || !seen.limited);
         limited |= seen.limited;

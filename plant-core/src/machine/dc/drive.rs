@@ -12,9 +12,9 @@ use crate::converter::{Converter, ConverterParams, Gates};
 use crate::error::{ParamError, check, positive};
 use crate::machine::axis::{Axis, AxisBounds};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
+use crate::mechanics::body::Resistance;
 use crate::model::Dt;
 use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, max, sign};
-use crate::mechanics::body::Resistance;
 use crate::port::{BusLaw, DriveLaw, Source};
 
 /// A DC machine with its converter, discretised for one step.
@@ -58,15 +58,7 @@ impl DcLink {
     /// No current after this step.
     #[inline(always)]
     const fn blocked(current_a: Real, emf_v: Real, duty: Real, on: bool) -> Self {
-        Self {
-            duty,
-            drop_v: 0.0,
-            rise_a: -current_a,
-            admittance_s: 0.0,
-            emf_v,
-            on,
-            clipped: false,
-        }
+        Self { duty, drop_v: 0.0, rise_a: -current_a, admittance_s: 0.0, emf_v, on, clipped: false }
     }
 }
 
@@ -189,7 +181,7 @@ impl DcDrive {
         let force_n = self.effort_per_a * reached_a;
         let ended_m_s = seen.footing.speed_m_s + seen.footing.mobility * force_n;
         let voltage_v = self.terminal_v(current_a, reached_a - current_a, ended_m_s);
-        voltage_v / max(seen.bus_v, 1.0)
+        voltage_v / max(seen.from_v, 1.0)
     }
 }
 
@@ -370,12 +362,7 @@ impl Machine for DcDrive {
         link.clipped
     }
 
-    fn reached(
-        &self,
-        state: &Accum,
-        link: &DcLink,
-        collapsed: bool,
-    ) -> Real {
+    fn reached(&self, state: &Accum, link: &DcLink, collapsed: bool) -> Real {
         let (i, rise_a) = (state.get(), link.rise_a);
         if collapsed {
             return sign(i + rise_a) * LARGEST;

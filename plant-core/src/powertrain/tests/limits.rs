@@ -40,7 +40,8 @@ fn with_limits(
     charge_a: Real,
 ) -> PowertrainParams {
     (params.battery.discharge_limit_a, params.battery.charge_limit_a) = (discharge_a, charge_a);
-    (params.drives.converter.duty_limit, params.drives.converter.current_limit_a) = (1.0, Real::INFINITY);
+    (params.drives.converter.duty_limit, params.drives.converter.current_limit_a) =
+        (1.0, Real::INFINITY);
     params
 }
 
@@ -90,7 +91,9 @@ fn a_duty_beyond_any_use_draws_all_that_is_allowed() {
         for duty in [0.9, 20.0, 99.9, -99.9] {
             let seen = run(params, dt_s, 2.0, PowertrainInput::on(duty));
             assert!(seen.lowest_a > 399.0 && seen.highest_a < 401.0, "{dt_s} {duty}");
-            assert!(seen.last.limited == Limited::Discharge && seen.last.drives.motor_a * duty > 0.0);
+            assert!(
+                seen.last.limited == Limited::Discharge && seen.last.drives.motor_a * duty > 0.0
+            );
         }
     }
 }
@@ -127,7 +130,10 @@ fn what_is_beyond_a_limit_that_falls_decays_and_is_reported() {
 fn gates_off_let_nothing_flow_unless_the_back_emf_exceeds_the_bus() {
     for dt_s in [1e-5, 1e-3, 2e-2] {
         let seen = run(BMW_I3_60AH_CONSTANT.powertrain, dt_s, 30.0, PowertrainInput::default());
-        assert_eq!((seen.last.drives.motor_a, seen.last.drives.duty, seen.last.limited), (0.0, 0.0, Limited::No));
+        assert_eq!(
+            (seen.last.drives.motor_a, seen.last.drives.duty, seen.last.limited),
+            (0.0, 0.0, Limited::No)
+        );
         assert!(seen.lowest_a > 0.0 && seen.highest_a < 2.0, "the auxiliary load");
         // 60 m/s of 49: the diodes charge the battery, as one with duty 1 would.
         let params = with_limits(BMW_I3_60AH_CONSTANT.powertrain, 1e4, 1e4);
@@ -135,7 +141,10 @@ fn gates_off_let_nothing_flow_unless_the_back_emf_exceeds_the_bus() {
         let rectified = run(params, dt_s, 60.0, PowertrainInput::on(1.0));
         let (a, b) = (diodes.last, rectified.last);
         assert!(a.drives.motor_a < -100.0 && a.drives.duty == 1.0, "{a:?}");
-        assert!((a.drives.motor_a - b.drives.motor_a).abs() < 1e-3 * b.drives.motor_a.abs(), "{a:?} {b:?}");
+        assert!(
+            (a.drives.motor_a - b.drives.motor_a).abs() < 1e-3 * b.drives.motor_a.abs(),
+            "{a:?} {b:?}"
+        );
     }
     // A current that flows when the gates go off ends, and with it the torque.
     let plant = Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, DT).unwrap();
@@ -190,9 +199,9 @@ fn a_drive_that_charges_feeds_the_auxiliary_load() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn what_a_full_battery_is_forced_to_take_has_a_name() {
     for dt_s in [1e-3, 1e-4] {
-        let plant =
-            Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap())
-                .unwrap().with_ledger();
+        let plant = Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap())
+            .unwrap()
+            .with_ledger();
         let mut s = plant.at_speed(1.0, 55.0).unwrap();
         let road = Road { grade: Grade::from_sin(-0.1), ..Road::default() };
         let (start, mut into_c, mut overcharged_c) = (s, 0.0, 0.0);
