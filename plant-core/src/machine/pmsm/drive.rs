@@ -116,7 +116,8 @@ impl PmsmDrive {
         motor_rad_per_m: Real,
         dt: Dt,
     ) -> Result<Self, ParamError> {
-        let inverter_ohm = check!(not_negative("converter.resistance_ohm", inverter.resistance_ohm));
+        let inverter_ohm =
+            check!(not_negative("converter.resistance_ohm", inverter.resistance_ohm));
         if inverter.voltage_drop_v != 0.0 {
             return Err(ParamError::OutOfRange("converter.voltage_drop_v"));
         }
@@ -178,7 +179,11 @@ impl PmsmDrive {
         let most = self.modulation_limit * LARGEST_PER_BUS;
         let square = per_bus.dot(per_bus);
         // A number that is none stays so, for the caller to see.
-        if square > most * most { (per_bus * (most / sqrt(square)), true) } else { (per_bus, false) }
+        if square > most * most {
+            (per_bus * (most / sqrt(square)), true)
+        } else {
+            (per_bus, false)
+        }
     }
 
     /// Least current for a torque, then the field weakened to the bus, then the limit: one pass with
@@ -196,8 +201,8 @@ impl PmsmDrive {
         let per_unit = torque_nm * self.motor_rad_per_m / (1.5 * self.winding.pole_pairs());
         let mut q = per_unit / max(magnet_wb - saliency_h * i.d, TINY);
         let half = 0.5 * magnet_wb;
-        let mut d =
-            -saliency_h * q * q / max(half + sqrt(half * half + saliency_h * saliency_h * q * q), TINY);
+        let mut d = -saliency_h * q * q
+            / max(half + sqrt(half * half + saliency_h * saliency_h * q * q), TINY);
         let turning = max((self.winding.pole_pairs() * link.speed_m_s).abs(), SLOWEST_RAD_S);
         let most_wb = PLANNED * LARGEST_PER_BUS * bus_v / turning;
         q = clamp(q, -Q_SHARE * most_wb / q_h, Q_SHARE * most_wb / q_h);
@@ -218,10 +223,7 @@ impl PmsmDrive {
     #[inline(always)]
     fn force_of(link: &PmsmLink, current_a: Dq) -> DriveLaw {
         let iron = link.law.iron_nm_s_per_rad;
-        DriveLaw {
-            effort: link.law.torque_nm(current_a) - iron * link.speed_m_s,
-            slope: iron,
-        }
+        DriveLaw { effort: link.law.torque_nm(current_a) - iron * link.speed_m_s, slope: iron }
     }
 }
 
@@ -251,8 +253,8 @@ impl Machine for PmsmDrive {
                 let (rise_a, wanted_a) = self.toward(&link, i, torque_nm, seen.from_v);
                 link.ends_q_a = wanted_a.q;
                 let force = Self::force_of(&link, i + rise_a);
-                let dv = seen.footing.speed_m_s + seen.footing.mobility * force.effort
-                    - seen.speed_m_s;
+                let dv =
+                    seen.footing.speed_m_s + seen.footing.mobility * force.effort - seen.speed_m_s;
                 let voltage_v = link.law.voltage_v(rise_a) + link.law.back_emf_v_s_per_rad * dv;
                 voltage_v * (1.0 / max(seen.from_v, 1.0))
             }
@@ -309,8 +311,7 @@ impl Machine for PmsmDrive {
         let broken = if link.on {
             square > self.current_limit_a * self.current_limit_a
         } else if link.blocked {
-            let free_v =
-                link.law.impede(i) - link.law.held_v - link.law.back_emf_v_s_per_rad * dv;
+            let free_v = link.law.impede(i) - link.law.held_v - link.law.back_emf_v_s_per_rad * dv;
             let most_v = LARGEST_PER_BUS * bus_v;
             free_v.dot(free_v) > most_v * most_v
         } else {
@@ -410,14 +411,17 @@ impl Machine for PmsmDrive {
         // The d axis goes first: it is what weakens the field.
         let d = clamp(i.d + rise_a.d, -most_a, most_a);
         let most_q = sqrt(max(most_a * most_a - d * d, 0.0));
-        Dq { d: clamp(rise_a.d, -most_a - i.d, most_a - i.d), q: clamp(rise_a.q, -most_q - i.q, most_q - i.q) }
+        Dq {
+            d: clamp(rise_a.d, -most_a - i.d, most_a - i.d),
+            q: clamp(rise_a.q, -most_q - i.q, most_q - i.q),
+        }
     }
 
     fn wish(&self, state: &DqCurrents, link: &PmsmLink, rise_a: Dq, speed_m_s: Real) -> Wish {
         let law = &link.law;
         let x = state.get() + rise_a;
-        let held_w = 1.5
-            * (law.resistance_ohm * x.dot(x) + speed_m_s * law.back_emf_v_s_per_rad.dot(x));
+        let held_w =
+            1.5 * (law.resistance_ohm * x.dot(x) + speed_m_s * law.back_emf_v_s_per_rad.dot(x));
         Wish { now_w: held_w + 1.5 * x.dot(law.field_v(rise_a)), held_w }
     }
 

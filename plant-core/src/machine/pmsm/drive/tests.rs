@@ -64,10 +64,15 @@ fn a_torque_is_what_was_asked_for_and_every_joule_is_named() {
             let error = (out.drives.motor_nm / torque_nm - 1.0).abs();
             assert!(error < 0.01, "{dt_s} {speed_m_s} {torque_nm}: {out:?}");
             let report = plant.energy(&start, &state);
-            assert!(report.residual_rel().abs() < 1e-6, "{dt_s} {speed_m_s}: {report:?}");
+            // The kinetic energy itself is known to some of its last bits only.
+            let kinetic_j = 0.5 * plant.moving_mass_kg() * speed_m_s * speed_m_s;
+            let rounding_j = 1e-6 * report.throughput + 2e-7 * kinetic_j;
+            assert!(report.residual.abs() < rounding_j, "{dt_s} {speed_m_s}: {report:?}");
             assert!(report.copper > 0.0 && report.iron > 0.0 && report.numerical >= 0.0);
-            let weakened = out.drives.current_a.d < -150.0;
-            assert_eq!(weakened, speed_m_s.abs() > 25.0 || torque_nm > 150.0, "{out:?}");
+            // Of least current, or with the field weakened.
+            let Dq { d, q } = out.drives.current_a;
+            let least = -1e-4 * q * q / (0.02 + sqrt(4e-4 + 1e-8 * q * q));
+            assert_eq!(d < 1.1 * least - 1.0, speed_m_s.abs() > 25.0, "{least}: {out:?}");
         }
     }
 }
@@ -96,7 +101,10 @@ fn a_battery_current_stands_at_its_limit_at_any_step() {
                 flips += u32::from(step * rise < 0.0 && step.abs().min(rise.abs()) > 1e-3);
                 (last, rise) = (out, step);
             }
-            assert!(flips == 0 && last.limited != Limited::No, "{dt_s} {speed_m_s}: {flips} {last:?}");
+            assert!(
+                flips == 0 && last.limited != Limited::No,
+                "{dt_s} {speed_m_s}: {flips} {last:?}"
+            );
         }
     }
 }
@@ -133,8 +141,7 @@ fn without_a_source_nothing_grows() {
             state.drives.q_a = Accum::new(150.0);
             let stored = |s: &State| {
                 let (i, v) = (s.drives.get(), s.body.speed_m_s.get());
-                0.75 * (1e-4 * i.d * i.d + 2e-4 * i.q * i.q)
-                    + 0.5 * plant.moving_mass_kg() * v * v
+                0.75 * (1e-4 * i.d * i.d + 2e-4 * i.q * i.q) + 0.5 * plant.moving_mass_kg() * v * v
             };
             let mut last_j = stored(&state);
             for _ in 0..100 {
@@ -168,7 +175,9 @@ fn two_axles_share_a_bus_and_a_road() {
                 modulations.push(out.drives.1.duty);
             }
             let report = plant.energy(&start, &state);
-            assert!(report.residual_rel().abs() < 2e-6, "{dt_s} {torque_nm}: {report:?}");
+            let kinetic_j = 0.5 * plant.moving_mass_kg() * 15.0 * 15.0;
+            let rounding_j = 1e-6 * report.throughput + 2e-7 * kinetic_j;
+            assert!(report.residual.abs() < rounding_j, "{dt_s} {torque_nm}: {report:?}");
             let total_nm = plant.drives().torque_nm(&out.drives);
             if discharge_a == 400.0 && charge_a == 150.0 {
                 assert_eq!(out.limited, Limited::No);
@@ -214,7 +223,7 @@ fn hills_hold_and_refusals_change_nothing() {
 #[test]
 fn refuses_each_bad_field_by_name() {
     let refused = |drives: DriveParams<PmsmParams>| {
-        CAR.with_drives(drives).build(dt(1e-3)).err().map(|error| error.field())
+        CAR.with_drives(drives).build(dt(1e-3)).err().map(crate::ParamError::field)
     };
     let good = CAR.drives;
     let converter = |converter| DriveParams { converter, ..good };
