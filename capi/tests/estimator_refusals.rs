@@ -258,6 +258,59 @@ fn misaligned_pointers_are_refused() {
     }
 }
 
+#[test]
+fn a_step_without_a_place_for_its_outputs_is_not_made() {
+    let mut all = all();
+    let a = &mut *all;
+    let (e, estimate, pair) = (&raw const *a.e, &raw const a.estimate, &raw const a.pair);
+    let (sample, series_sample) = (&raw const a.sample, &raw const a.series_sample);
+    let (pack, cell_v) = (a.pack.as_mut_ptr(), a.cell_v.as_ptr());
+    let (filter, counter) = (&raw mut a.filter, &raw mut a.counter);
+    let (resistance, capacity) = (&raw mut a.resistance, &raw mut a.capacity);
+    /// Refuses a call, then makes it on the state and on a copy from before; both say the same.
+    macro_rules! refused {
+        ($state:ident, $out:expr, |$out_name:ident| $call:expr) => {{
+            let mut before = $state.read();
+            let $out_name = off(&raw mut $out);
+            assert_eq!($call, Status::Misaligned);
+            let $out_name = &raw mut $out;
+            assert_eq!($call, Status::Ok);
+            let after = $out;
+            let $state = &raw mut before;
+            assert_eq!($call, Status::Ok);
+            assert_eq!(after, $out);
+        }};
+    }
+    // SAFETY: misaligned pointers are refused before they are used; the others are good.
+    unsafe {
+        // What was counted before the review would be booked by the one that is refused.
+        voltstep_counter_step(e, counter, 2.0);
+        voltstep_counter_step(e, counter, f32::NAN);
+        voltstep_resistance_step(e, resistance, 3.8, 0.0, estimate, null_mut());
+        refused!(filter, a.filter_out, |out| voltstep_filter_step(e, filter, sample, out));
+        refused!(counter, a.counter_out, |out| voltstep_counter_review(e, counter, 3.7, out));
+        refused!(resistance, a.resistance_out, |out| {
+            voltstep_resistance_step(e, resistance, 3.7, 2.0, estimate, out)
+        });
+        (a.pair.start.soc, a.pair.end.soc, a.pair.discharged_ah) = (0.9, 0.2, 1.9);
+        (a.pair.start.soc_sd, a.pair.end.soc_sd, a.pair.duration_s) = (0.01, 0.01, 9e3);
+        refused!(capacity, a.capacity_out, |out| voltstep_capacity_step(e, capacity, pair, out));
+        assert!(
+            a.resistance_out.learned && a.capacity_out.learned && a.counter_out.current_missing
+        );
+
+        let mut before = a.pack.clone();
+        let out = &raw mut a.series_out;
+        let status = voltstep_series_step(e, pack, series_sample, cell_v, 4, off(out));
+        assert_eq!(status, Status::Misaligned);
+        assert_eq!(voltstep_series_step(e, pack, series_sample, cell_v, 4, out), Status::Ok);
+        let after = a.series_out;
+        let pack = before.as_mut_ptr();
+        assert_eq!(voltstep_series_step(e, pack, series_sample, cell_v, 4, out), Status::Ok);
+        assert_eq!(after, a.series_out);
+    }
+}
+
 /// What a step that is refused leaves as it was.
 #[test]
 fn inputs_that_are_none_are_refused() {
@@ -327,6 +380,14 @@ fn starts_name_what_is_out_of_range() {
         ] {
             assert_eq!(status, wanted);
         }
+        let bad = VoltstepRecord { capacity_ah: f32::NAN, ..*record };
+        for status in [
+            voltstep_filter_resume(e, filter, &raw const bad, 0.0, 25.0),
+            voltstep_counter_resume(e, counter, &raw const bad, 0.0),
+            voltstep_series_start(e, pack, words, 4, &raw const bad, 0.0, 25.0),
+        ] {
+            assert_eq!(status, Status::RecordCapacityAh);
+        }
         // The memory is as it was: four cells.
         let (sample, cell_v) = (&raw const a.series_sample, a.cell_v.as_ptr());
         let out = &raw mut a.series_out;
@@ -369,10 +430,15 @@ fn what_was_not_initialised_was_moved_or_overlaps_is_refused() {
         let fresh = fresh.as_mut_ptr();
         let cell = &raw mut a.cell;
         assert_eq!(voltstep_series_cell(fresh, 0, cell), Status::StateNotInitialised);
-        // Nor is one of a number of cells that there is not.
+        // Nor is one with another mark, or of a number of cells that there is not.
         let pack = a.pack.as_mut_ptr();
-        pack.cast::<u32>().add(1).write(5);
-        assert_eq!(voltstep_series_cell(pack, 0, cell), Status::StateNotInitialised);
+        for (place, word) in [(0, 0), (1, 5)] {
+            let head = pack.cast::<u32>().add(place);
+            let was = head.replace(word);
+            assert_eq!(voltstep_series_cell(pack, 0, cell), Status::StateNotInitialised);
+            head.write(was);
+            assert_eq!(voltstep_series_cell(pack, 0, cell), Status::Ok);
+        }
 
         // A state within the estimators.
         let within = e.cast_mut().wrapping_byte_add(64);
