@@ -54,17 +54,20 @@
 // Words (8 bytes) of a `VoltstepPowerWalk`.
 #define VOLTSTEP_POWER_WALK_WORDS 24
 
+// Words (8 bytes) that cells in series take beside what each takes.
+#define VOLTSTEP_SERIES_WORDS 128
+
+// Words (8 bytes) that each cell in series takes.
+#define VOLTSTEP_SERIES_WORDS_PER_CELL 4
+
 // Lengths of time that the power limits look ahead.
 #define VOLTSTEP_HORIZONS 3
 
 // Bytes of a slot that holds a record.
 #define VOLTSTEP_RECORD_BYTES 96
 
-// Words (8 bytes) that cells in series take beside what each takes.
-#define VOLTSTEP_SERIES_WORDS 128
-
-// Words (8 bytes) that each cell in series takes.
-#define VOLTSTEP_SERIES_WORDS_PER_CELL 4
+// Calls of `voltstep_series_power_walk` until the answer is there.
+#define VOLTSTEP_SERIES_SLICES 18
 
 // Words (4 bytes) of a `VoltstepPlant`.
 #define VOLTSTEP_PLANT_WORDS 192
@@ -1888,13 +1891,25 @@ VoltstepStatus voltstep_series_cell(uint64_t *memory,
                                     struct VoltstepSeriesCell *cell);
 
 // What the cells in series allow, for the limits of one cell: fills `limits`, an array of
-// `VOLTSTEP_HORIZONS`; current as it is, power of one cell. A matter for once a second.
+// `VOLTSTEP_HORIZONS`; current as it is, power of one cell. A matter for once a second:
+// `voltstep_series_power_walk` does the same in shorter calls.
 //
 // # Safety
 // Each pointer is null or points to objects of its type that nobody else uses during the call.
 VoltstepStatus voltstep_series_power(const struct VoltstepEstimators *estimators,
                                      uint64_t *memory,
                                      struct VoltstepPowerAhead *limits);
+
+// The same in `VOLTSTEP_SERIES_SLICES` calls, from what is believed at each of them. The last one
+// fills `limits`, an array of `VOLTSTEP_HORIZONS`, and sets `done`; the next one begins again.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call.
+VoltstepStatus voltstep_series_power_walk(const struct VoltstepEstimators *estimators,
+                                          uint64_t *memory,
+                                          struct VoltstepPowerWalk *walk,
+                                          struct VoltstepPowerAhead *limits,
+                                          bool *done);
 
 // What is left in the mean of cells in series, in the units of one cell.
 // `VOLTSTEP_STATUS_INPUT_REJECTED` says that the estimate was not finite; the report is not written

@@ -2,116 +2,14 @@
 
 #![allow(clippy::cast_possible_truncation)] // a few cells
 
-use std::mem::MaybeUninit;
 use std::ptr::{from_mut, null, null_mut};
 
 use voltstep_capi::VoltstepStatus as Status;
 use voltstep_capi::*;
 
 mod memory;
-use memory::{DT_S, blank, known, preset, set_up, words};
-
-/// One of everything that a call takes.
-struct All {
-    e: Box<VoltstepEstimators>,
-    params: VoltstepEstimatorParams,
-    filter: VoltstepFilterState,
-    counter: VoltstepCounterState,
-    resistance: VoltstepResistanceState,
-    capacity: VoltstepCapacityState,
-    energy: VoltstepEnergyState,
-    walk: VoltstepPowerWalk,
-    pack: Vec<MaybeUninit<u64>>,
-    cell_v: [f32; 4],
-    sample: VoltstepFilterInput,
-    series_sample: VoltstepSeriesInput,
-    estimate: VoltstepEstimate,
-    health: VoltstepHealth,
-    pair: VoltstepCapacityInput,
-    limits: [VoltstepPowerAhead; VOLTSTEP_HORIZONS],
-    record: VoltstepRecord,
-    bytes: [u8; VOLTSTEP_RECORD_BYTES],
-    stored: VoltstepStored,
-    report: VoltstepEnergyReport,
-    cell: VoltstepSeriesCell,
-    filter_out: VoltstepFilterOutputs,
-    counter_out: VoltstepCounterOutputs,
-    resistance_out: VoltstepResistanceOutputs,
-    capacity_out: VoltstepCapacityOutputs,
-    series_out: VoltstepSeriesOutputs,
-    done: bool,
-    sequence: u32,
-}
-
-fn all() -> Box<All> {
-    macro_rules! zeroed {
-        () => {
-            // SAFETY: zeros are a value of every plain struct of the interface.
-            unsafe { MaybeUninit::zeroed().assume_init() }
-        };
-    }
-    let mut all = Box::new(All {
-        e: set_up(),
-        params: preset(),
-        filter: zeroed!(),
-        counter: zeroed!(),
-        resistance: zeroed!(),
-        capacity: zeroed!(),
-        energy: zeroed!(),
-        walk: zeroed!(),
-        pack: words(4),
-        cell_v: [3.8; 4],
-        sample: VoltstepFilterInput {
-            current_a: 1.0,
-            voltage_v: 3.8,
-            temperature_c: 25.0,
-            contactors_open: 0,
-        },
-        series_sample: VoltstepSeriesInput {
-            current_a: 1.0,
-            temperature_c: 25.0,
-            contactors_open: 0,
-        },
-        estimate: zeroed!(),
-        health: zeroed!(),
-        pair: zeroed!(),
-        limits: zeroed!(),
-        record: known(),
-        bytes: [0; VOLTSTEP_RECORD_BYTES],
-        stored: zeroed!(),
-        report: zeroed!(),
-        cell: zeroed!(),
-        filter_out: zeroed!(),
-        counter_out: zeroed!(),
-        resistance_out: zeroed!(),
-        capacity_out: zeroed!(),
-        series_out: zeroed!(),
-        done: false,
-        sequence: 0,
-    });
-    let pack_words = all.pack.len() as u32;
-    let a = &mut *all;
-    let e = &raw const *a.e;
-    // SAFETY: every pointer comes from a reference.
-    unsafe {
-        let (health, record) = (&raw mut a.health, &raw mut a.record);
-        for status in [
-            voltstep_health_unlearnt(e, health),
-            voltstep_filter_start(e, &raw mut a.filter, 0.7, 0.1, 25.0),
-            voltstep_counter_start(e, &raw mut a.counter, 0.7, 0.1),
-            voltstep_resistance_start(e, &raw mut a.resistance, health),
-            voltstep_capacity_start(e, &raw mut a.capacity, health),
-            voltstep_energy_start(e, &raw mut a.energy),
-            voltstep_power_walk_start(e, &raw mut a.walk),
-            voltstep_series_start(e, a.pack.as_mut_ptr(), pack_words, 4, record, 0.0, 25.0),
-            voltstep_record_encode(record, 3, a.bytes.as_mut_ptr()),
-        ] {
-            assert_eq!(status, Status::Ok);
-        }
-    }
-    a.estimate.soc = 0.7;
-    all
-}
+use memory::all::all;
+use memory::{DT_S, blank, preset, words};
 
 /// The pointers of a call are bad one at a time: all others are good. Where it answers with another
 /// code than the one asked for, its number in the list is said.
@@ -192,6 +90,7 @@ macro_rules! every_pointer {
                 voltstep_series_step(*e, *pack, *series_sample, *cell_v, 4, null_mut(),);
                 voltstep_series_cell(*pack, 0, *cell,);
                 voltstep_series_power(*e, *pack, *limits,);
+                voltstep_series_power_walk(*e, *pack, *walk, *limits, done,);
                 voltstep_series_energy(*e, *pack, *report,);
                 voltstep_series_record(*e, *pack, *record,);
             }
@@ -214,7 +113,7 @@ fn null_pointers_are_refused() {
     every_pointer!(no, Status::NullPointer);
     let mut all = all();
     let a = &mut *all;
-    let (e, walk) = (&raw const *a.e, &raw mut a.walk);
+    let (e, walk, pack) = (&raw const *a.e, &raw mut a.walk, a.pack.as_mut_ptr());
     let (estimate, health) = (&raw const a.estimate, &raw const a.health);
     let (limits, done) = (a.limits.as_mut_ptr(), &raw mut a.done);
     let (bytes, record) = (a.bytes.as_mut_ptr(), &raw mut a.record);
@@ -223,6 +122,7 @@ fn null_pointers_are_refused() {
     unsafe {
         each_bad! { no, Status::NullPointer;
             voltstep_power_walk(e, walk, estimate, health, limits, *done,);
+            voltstep_series_power_walk(e, pack, walk, limits, *done,);
             voltstep_record_encode(record, 1, *bytes,);
             voltstep_record_decode(*bytes, record, sequence,);
             voltstep_record_newest(*bytes, bytes, stored,);

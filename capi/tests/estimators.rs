@@ -357,6 +357,15 @@ fn cells_in_series_are_those_of_rust() {
             resistances: &resistances,
         });
         assert_eq!(found, model.map(VoltstepPowerAhead::from));
+        let mut walk = get(|walk| voltstep_power_walk_start(&raw const *e, walk));
+        let mut sliced = [VoltstepPowerAhead { horizon_s: 0.0, ..found[0] }; VOLTSTEP_HORIZONS];
+        for call in 1..=VOLTSTEP_SERIES_SLICES {
+            let (mut done, walk, sliced) = (false, &raw mut walk, sliced.as_mut_ptr());
+            let status =
+                voltstep_series_power_walk(&raw const *e, memory, walk, sliced, &raw mut done);
+            assert_eq!((status, done), (Status::Ok, call == VOLTSTEP_SERIES_SLICES));
+        }
+        assert_eq!(sliced, found);
         let report: VoltstepEnergyReport =
             get(|report| voltstep_series_energy(&raw const *e, memory, report));
         assert!((2.0..12.0).contains(&report.remaining_energy_wh), "{report:?}");

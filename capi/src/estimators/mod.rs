@@ -5,6 +5,7 @@ mod counter;
 mod filter;
 mod handle;
 mod health;
+mod memory;
 mod params;
 mod power;
 mod presets;
@@ -22,6 +23,7 @@ pub use handle::{
     VoltstepResistanceState, voltstep_estimator_params_preset, voltstep_estimators_init,
 };
 pub use health::*;
+pub use memory::{VOLTSTEP_SERIES_WORDS, VOLTSTEP_SERIES_WORDS_PER_CELL};
 pub use params::*;
 pub use power::*;
 pub use presets::EstimatorParams;

@@ -6,6 +6,8 @@ use std::mem::MaybeUninit;
 use voltstep_capi::VoltstepStatus as Status;
 use voltstep_capi::*;
 
+pub mod all;
+
 pub const DT_S: f32 = 0.1;
 
 /// What a call writes.
