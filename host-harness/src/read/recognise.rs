@@ -128,6 +128,9 @@ mod tests {
         for (bytes, kind) in [
             (cycle.as_bytes(), FileKind::Cycle),
             (b"time_s,speed_ms\n", FileKind::Cycle),
+            (b"\"speed_m_s\", \"time_s\"\n", FileKind::Cycle),
+            (b"motor.inertia_kg_m2 = 1\n", FileKind::Vehicle),
+            (b"battery = { capacity_ah = 3 }\n", FileKind::Battery),
             (TRIP, FileKind::Trip),
             (b"Time [s];Velocity\n", FileKind::Trip),
             (CELL.as_bytes(), FileKind::Cell),
