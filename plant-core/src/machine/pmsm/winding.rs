@@ -19,7 +19,7 @@ pub struct DqWinding {
     per_h: Real,
     /// An inductance that turns with the frame without doing work.
     mean_h: Real,
-    /// Electrical angle per unit of way: the pole pairs.
+    /// Electrical angle per unit of travel: the pole pairs.
     pole_pairs: Real,
     /// Torque of the iron loss per speed and square of the flux.
     iron: Real,
@@ -170,7 +170,7 @@ impl DqWinding {
         &self.flux
     }
 
-    /// Electrical angle per unit of way: the pole pairs at the shaft.
+    /// Electrical angle per unit of travel: the pole pairs at the shaft.
     #[must_use]
     pub const fn pole_pairs(&self) -> Real {
         self.pole_pairs
