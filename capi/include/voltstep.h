@@ -37,13 +37,13 @@
 #define VOLTSTEP_ESTIMATORS_WORDS 704
 
 // Words (4 bytes) of a `VoltstepFilterState`.
-#define VOLTSTEP_FILTER_STATE_WORDS 112
+#define VOLTSTEP_FILTER_STATE_WORDS 80
 
 // Words (4 bytes) of a `VoltstepCounterState`.
 #define VOLTSTEP_COUNTER_STATE_WORDS 32
 
 // Words (4 bytes) of a `VoltstepResistanceState`.
-#define VOLTSTEP_RESISTANCE_STATE_WORDS 40
+#define VOLTSTEP_RESISTANCE_STATE_WORDS 32
 
 // Words (4 bytes) of a `VoltstepCapacityState`.
 #define VOLTSTEP_CAPACITY_STATE_WORDS 24
@@ -55,7 +55,7 @@
 #define VOLTSTEP_POWER_WALK_WORDS 24
 
 // Words (8 bytes) that cells in series take beside what each takes.
-#define VOLTSTEP_SERIES_WORDS 128
+#define VOLTSTEP_SERIES_WORDS 104
 
 // Words (8 bytes) that each cell in series takes.
 #define VOLTSTEP_SERIES_WORDS_PER_CELL 4

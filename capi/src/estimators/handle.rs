@@ -25,11 +25,11 @@ use crate::status::VoltstepStatus;
 /// Words (8 bytes) of a `VoltstepEstimators`.
 pub const VOLTSTEP_ESTIMATORS_WORDS: usize = 704;
 /// Words (4 bytes) of a `VoltstepFilterState`.
-pub const VOLTSTEP_FILTER_STATE_WORDS: usize = 112;
+pub const VOLTSTEP_FILTER_STATE_WORDS: usize = 80;
 /// Words (4 bytes) of a `VoltstepCounterState`.
 pub const VOLTSTEP_COUNTER_STATE_WORDS: usize = 32;
 /// Words (4 bytes) of a `VoltstepResistanceState`.
-pub const VOLTSTEP_RESISTANCE_STATE_WORDS: usize = 40;
+pub const VOLTSTEP_RESISTANCE_STATE_WORDS: usize = 32;
 /// Words (4 bytes) of a `VoltstepCapacityState`.
 pub const VOLTSTEP_CAPACITY_STATE_WORDS: usize = 24;
 /// Words (4 bytes) of a `VoltstepEnergyState`.
