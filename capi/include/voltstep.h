@@ -36,26 +36,26 @@
 // Words (8 bytes) of a `VoltstepEstimators`.
 #define VOLTSTEP_ESTIMATORS_WORDS 704
 
-// Words (4 bytes) of a `VoltstepFilterState`.
-#define VOLTSTEP_FILTER_STATE_WORDS 80
+// Words (8 bytes) of a `VoltstepFilterState`.
+#define VOLTSTEP_FILTER_STATE_WORDS 48
 
-// Words (4 bytes) of a `VoltstepCounterState`.
-#define VOLTSTEP_COUNTER_STATE_WORDS 32
+// Words (8 bytes) of a `VoltstepCounterState`.
+#define VOLTSTEP_COUNTER_STATE_WORDS 16
 
-// Words (4 bytes) of a `VoltstepResistanceState`.
-#define VOLTSTEP_RESISTANCE_STATE_WORDS 32
+// Words (8 bytes) of a `VoltstepResistanceState`.
+#define VOLTSTEP_RESISTANCE_STATE_WORDS 16
 
-// Words (4 bytes) of a `VoltstepCapacityState`.
-#define VOLTSTEP_CAPACITY_STATE_WORDS 24
+// Words (8 bytes) of a `VoltstepCapacityState`.
+#define VOLTSTEP_CAPACITY_STATE_WORDS 12
 
-// Words (4 bytes) of a `VoltstepEnergyState`.
-#define VOLTSTEP_ENERGY_STATE_WORDS 8
+// Words (8 bytes) of a `VoltstepEnergyState`.
+#define VOLTSTEP_ENERGY_STATE_WORDS 4
 
 // Words (8 bytes) of a `VoltstepPowerWalk`.
 #define VOLTSTEP_POWER_WALK_WORDS 24
 
 // Words (8 bytes) that cells in series take beside what each takes.
-#define VOLTSTEP_SERIES_WORDS 104
+#define VOLTSTEP_SERIES_WORDS 112
 
 // Words (8 bytes) that each cell in series takes.
 #define VOLTSTEP_SERIES_WORDS_PER_CELL 4
@@ -739,7 +739,7 @@ typedef struct VoltstepEstimators {
 // What the coulomb counter remembers. Opaque; a snapshot is a copy.
 typedef struct VoltstepCounterState {
   // Not for reading.
-  uint32_t opaque[VOLTSTEP_COUNTER_STATE_WORDS];
+  uint64_t opaque[VOLTSTEP_COUNTER_STATE_WORDS];
 } VoltstepCounterState;
 
 // What is worth knowing after a power cut.
@@ -799,7 +799,7 @@ typedef struct VoltstepCounterOutputs {
 // What the filter remembers. Opaque; a snapshot is a copy.
 typedef struct VoltstepFilterState {
   // Not for reading.
-  uint32_t opaque[VOLTSTEP_FILTER_STATE_WORDS];
+  uint64_t opaque[VOLTSTEP_FILTER_STATE_WORDS];
 } VoltstepFilterState;
 
 // One sample of the filter; NaN where there is no usable reading.
@@ -1115,7 +1115,7 @@ typedef struct VoltstepEstimatorParams {
 // What was learnt of the resistance. Opaque; a snapshot is a copy.
 typedef struct VoltstepResistanceState {
   // Not for reading.
-  uint32_t opaque[VOLTSTEP_RESISTANCE_STATE_WORDS];
+  uint64_t opaque[VOLTSTEP_RESISTANCE_STATE_WORDS];
 } VoltstepResistanceState;
 
 // What was learnt of the resistance.
@@ -1136,7 +1136,7 @@ typedef struct VoltstepResistanceOutputs {
 // What was learnt of the capacity. Opaque; a snapshot is a copy.
 typedef struct VoltstepCapacityState {
   // Not for reading.
-  uint32_t opaque[VOLTSTEP_CAPACITY_STATE_WORDS];
+  uint64_t opaque[VOLTSTEP_CAPACITY_STATE_WORDS];
 } VoltstepCapacityState;
 
 // Two instants whose state of charge is known from their voltage, and what flowed between them.
@@ -1196,7 +1196,7 @@ typedef struct VoltstepPowerWalk {
 // The rolling averages behind the energy left. Opaque; a snapshot is a copy.
 typedef struct VoltstepEnergyState {
   // Not for reading.
-  uint32_t opaque[VOLTSTEP_ENERGY_STATE_WORDS];
+  uint64_t opaque[VOLTSTEP_ENERGY_STATE_WORDS];
 } VoltstepEnergyState;
 
 // What is left until empty, at the average power of the last minute where it is discharged, else at

@@ -24,16 +24,16 @@ use crate::status::VoltstepStatus;
 
 /// Words (8 bytes) of a `VoltstepEstimators`.
 pub const VOLTSTEP_ESTIMATORS_WORDS: usize = 704;
-/// Words (4 bytes) of a `VoltstepFilterState`.
-pub const VOLTSTEP_FILTER_STATE_WORDS: usize = 80;
-/// Words (4 bytes) of a `VoltstepCounterState`.
-pub const VOLTSTEP_COUNTER_STATE_WORDS: usize = 32;
-/// Words (4 bytes) of a `VoltstepResistanceState`.
-pub const VOLTSTEP_RESISTANCE_STATE_WORDS: usize = 32;
-/// Words (4 bytes) of a `VoltstepCapacityState`.
-pub const VOLTSTEP_CAPACITY_STATE_WORDS: usize = 24;
-/// Words (4 bytes) of a `VoltstepEnergyState`.
-pub const VOLTSTEP_ENERGY_STATE_WORDS: usize = 8;
+/// Words (8 bytes) of a `VoltstepFilterState`.
+pub const VOLTSTEP_FILTER_STATE_WORDS: usize = 48;
+/// Words (8 bytes) of a `VoltstepCounterState`.
+pub const VOLTSTEP_COUNTER_STATE_WORDS: usize = 16;
+/// Words (8 bytes) of a `VoltstepResistanceState`.
+pub const VOLTSTEP_RESISTANCE_STATE_WORDS: usize = 16;
+/// Words (8 bytes) of a `VoltstepCapacityState`.
+pub const VOLTSTEP_CAPACITY_STATE_WORDS: usize = 12;
+/// Words (8 bytes) of a `VoltstepEnergyState`.
+pub const VOLTSTEP_ENERGY_STATE_WORDS: usize = 4;
 /// Words (8 bytes) of a `VoltstepPowerWalk`.
 pub const VOLTSTEP_POWER_WALK_WORDS: usize = 24;
 
@@ -50,35 +50,35 @@ pub struct VoltstepEstimators {
 #[repr(C)]
 pub struct VoltstepFilterState {
     /// Not for reading.
-    pub opaque: [MaybeUninit<u32>; VOLTSTEP_FILTER_STATE_WORDS],
+    pub opaque: [MaybeUninit<u64>; VOLTSTEP_FILTER_STATE_WORDS],
 }
 
 /// What the coulomb counter remembers. Opaque; a snapshot is a copy.
 #[repr(C)]
 pub struct VoltstepCounterState {
     /// Not for reading.
-    pub opaque: [MaybeUninit<u32>; VOLTSTEP_COUNTER_STATE_WORDS],
+    pub opaque: [MaybeUninit<u64>; VOLTSTEP_COUNTER_STATE_WORDS],
 }
 
 /// What was learnt of the resistance. Opaque; a snapshot is a copy.
 #[repr(C)]
 pub struct VoltstepResistanceState {
     /// Not for reading.
-    pub opaque: [MaybeUninit<u32>; VOLTSTEP_RESISTANCE_STATE_WORDS],
+    pub opaque: [MaybeUninit<u64>; VOLTSTEP_RESISTANCE_STATE_WORDS],
 }
 
 /// What was learnt of the capacity. Opaque; a snapshot is a copy.
 #[repr(C)]
 pub struct VoltstepCapacityState {
     /// Not for reading.
-    pub opaque: [MaybeUninit<u32>; VOLTSTEP_CAPACITY_STATE_WORDS],
+    pub opaque: [MaybeUninit<u64>; VOLTSTEP_CAPACITY_STATE_WORDS],
 }
 
 /// The rolling averages behind the energy left. Opaque; a snapshot is a copy.
 #[repr(C)]
 pub struct VoltstepEnergyState {
     /// Not for reading.
-    pub opaque: [MaybeUninit<u32>; VOLTSTEP_ENERGY_STATE_WORDS],
+    pub opaque: [MaybeUninit<u64>; VOLTSTEP_ENERGY_STATE_WORDS],
 }
 
 /// How far the power limits have come. Opaque; a snapshot is a copy.

@@ -18,7 +18,7 @@ use crate::handle::{check, check_ranges_apart, mark, write_to};
 use crate::status::VoltstepStatus;
 
 /// Words (8 bytes) that cells in series take beside what each takes.
-pub const VOLTSTEP_SERIES_WORDS: usize = 104;
+pub const VOLTSTEP_SERIES_WORDS: usize = 112;
 /// Words (8 bytes) that each cell in series takes.
 pub const VOLTSTEP_SERIES_WORDS_PER_CELL: usize = 4;
 
