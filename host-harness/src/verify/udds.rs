@@ -63,7 +63,7 @@ pub(super) struct Trajectory {
     pub error: f64,
 }
 
-fn widen(range: &mut (f64, f64), x: f64) {
+pub(super) fn widen(range: &mut (f64, f64), x: f64) {
     *range = (range.0.min(x), range.1.max(x));
 }
 
