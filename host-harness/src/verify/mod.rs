@@ -4,7 +4,7 @@
 //! | Module | What it does |
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
-//! | `adaptive`, `equations` | the independent solver and the vehicle's continuous equations |
+//! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
 //! | `udds`, `bench`, `motor`, `pmsm`, `field_oriented`, `components`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
@@ -13,8 +13,9 @@ mod adaptive;
 mod battery_map;
 mod bench;
 mod components;
+#[cfg_attr(not(test), expect(dead_code, reason = "for cases of several drives"))]
+mod composed;
 pub mod endurance;
-mod equations;
 pub mod experiment;
 mod field_oriented;
 mod motor;
