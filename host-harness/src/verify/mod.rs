@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `pmsm`, `field_oriented`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `pmsm`, `field_oriented`, `components`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -15,6 +15,7 @@ mod bench;
 mod components;
 #[cfg_attr(not(test), expect(dead_code, reason = "for cases of several drives"))]
 mod composed;
+mod drives;
 pub mod endurance;
 pub mod experiment;
 mod field_oriented;
@@ -185,6 +186,7 @@ fn cases() -> Vec<Case> {
     cases.extend(bench::CASES);
     cases.extend(motor::CASES);
     cases.extend(pmsm::CASES);
+    cases.extend(drives::CASES);
     cases.extend(field_oriented::CASES);
     cases.extend(components::CASES);
     cases.extend(battery_map::CASES);

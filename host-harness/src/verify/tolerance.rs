@@ -319,6 +319,36 @@ pub const FOC_START_END: [Bound; 3] = [
 const SAMPLED: &str = "first order at 10 µs: a sampled loop sees the speed one step late";
 const SETTLED: &str = "0.22 s after the load; the slowest lag is 25 ms";
 
+/// Gates off above base speed: speed and state of charge at 1 ms, and how their errors fall from
+/// 10 ms to 1 ms, from 1 ms to 0.1 ms.
+pub const GATES_OFF: [Bound; 6] = drives(1.5e-3, 1.5e-6);
+/// The same under battery limits from outside.
+pub const LIMITS: [Bound; 6] = drives(2e-3, 1e-6);
+pub const LIMIT_HELD: Bound = Bound::new(
+    "battery current that a limit holds at 1 ms [A]",
+    None,
+    Relative(0.01),
+    "the limit",
+    "charging, the winding's field grows while the speed falls",
+);
+
+const fn drives(speed_m_s: f64, soc: f64) -> [Bound; 6] {
+    const fn gain(quantity: &'static str) -> Bound {
+        Bound::new(quantity, Some(10.0), Factor(2.0), "first order", GAIN)
+    }
+    const fn off(quantity: &'static str, most: f64) -> Bound {
+        Bound::new(quantity, None, AtMost(most), ADAPTIVE, FIRST_ORDER)
+    }
+    [
+        off("speed at 1 ms, largest difference [m/s]", speed_m_s),
+        gain("speed error, 10 ms over 1 ms"),
+        gain("speed error, 1 ms over 0.1 ms"),
+        off("SOC at 1 ms, largest difference", soc),
+        gain("SOC error, 10 ms over 1 ms"),
+        gain("SOC error, 1 ms over 0.1 ms"),
+    ]
+}
+
 /// The converter bench's energy balance.
 pub const BENCH_BALANCE: Bound = Bound::new(
     "energy balance / throughput",
