@@ -17,8 +17,8 @@ use super::tolerance as t;
 use super::{Case, Checks};
 
 /// Bandwidth of the current loop \[rad/s\], and the bus \[V\] with the share of its voltage.
-const BANDWIDTH: f64 = 1000.0;
-const BUS_V: f64 = 300.0;
+pub(super) const BANDWIDTH: f64 = 1000.0;
+pub(super) const BUS_V: f64 = 300.0;
 const SHARE: f64 = 0.95;
 /// The step \[s\].
 pub(super) const DT_S: f64 = 1e-5;

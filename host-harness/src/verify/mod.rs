@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `pmsm`, `field_oriented`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `pmsm`, `field_oriented`, `sampled`, `components`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -21,6 +21,7 @@ pub mod experiment;
 mod field_oriented;
 mod motor;
 mod pmsm;
+mod sampled;
 mod signals;
 mod tolerance;
 mod trip;
@@ -188,6 +189,7 @@ fn cases() -> Vec<Case> {
     cases.extend(pmsm::CASES);
     cases.extend(drives::CASES);
     cases.extend(field_oriented::CASES);
+    cases.extend(sampled::CASES);
     cases.extend(components::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);

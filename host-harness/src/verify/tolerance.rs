@@ -307,8 +307,8 @@ const RISE: &str = "the closed form is steady: currents lag by 1 ms of 2 s";
 
 /// A start under control of the speed: over time, and its end.
 pub const FOC_START: [Bound; 2] = [
-    Bound::new("current of the q axis / peak, difference", None, AtMost(2e-3), ADAPTIVE, SAMPLED),
-    Bound::new("speed / final speed, difference", None, AtMost(5e-4), ADAPTIVE, SAMPLED),
+    Bound::new("current of the q axis / peak, difference", None, AtMost(2e-3), ADAPTIVE, LATE),
+    Bound::new("speed / final speed, difference", None, AtMost(5e-4), ADAPTIVE, LATE),
 ];
 pub const FOC_START_END: [Bound; 3] = [
     Bound::new("speed at the end [rad/s]", None, Relative(1e-4), CLOSED, SETTLED),
@@ -316,7 +316,19 @@ pub const FOC_START_END: [Bound; 3] = [
     Bound::new("voltage at the end [V]", None, Relative(1e-3), CLOSED, SETTLED),
 ];
 
-const SAMPLED: &str = "first order at 10 µs: a sampled loop sees the speed one step late";
+const LATE: &str = "first order at 10 µs: a sampled loop sees the speed one step late";
+/// The machine under a controller of 10 kHz, in steps of a tenth of its period.
+pub const SAMPLED: [Bound; 6] = [
+    Bound::new("current at 10 µs / peak, largest difference", None, AtMost(3e-3), ADAPTIVE, STEP),
+    Bound::new("current error, 100 µs over 10 µs", Some(10.0), Factor(2.0), "first order", GAIN),
+    Bound::new("current error, 10 µs over 1 µs", Some(10.0), Factor(2.0), "first order", GAIN),
+    Bound::new("speed at 10 µs / highest, largest difference", None, AtMost(2e-4), ADAPTIVE, STEP),
+    Bound::new("speed error, 100 µs over 10 µs", Some(10.0), Factor(2.0), "first order", GAIN),
+    Bound::new("speed error, 10 µs over 1 µs", Some(10.0), Factor(2.0), "first order", GAIN),
+];
+
+const STEP: &str = "first order; the rotor turns by 0.01 in a step of 10 µs";
+
 const SETTLED: &str = "0.22 s after the load; the slowest lag is 25 ms";
 
 /// Gates off above base speed: speed and state of charge at 1 ms, and how their errors fall from
