@@ -3,7 +3,7 @@
 use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::converter::ConverterParams;
@@ -124,6 +124,7 @@ impl VoltstepBatteryParams {
             },
             discharge_limit_a: self.discharge_limit_a,
             charge_limit_a: self.charge_limit_a,
+            voltage_limits: VoltageLimits::NONE,
         })
     }
 }
@@ -198,25 +199,25 @@ impl From<&Vehicle> for VoltstepParams {
                 cut_out_v: p.auxiliary.cut_out_v,
             },
             converter: VoltstepConverterParams {
-                duty_limit: p.converter.duty_limit,
-                constant_loss_w: p.converter.constant_loss_w,
-                voltage_drop_v: p.converter.voltage_drop_v,
-                resistance_ohm: p.converter.resistance_ohm,
-                current_limit_a: p.converter.current_limit_a,
+                duty_limit: p.drives.converter.duty_limit,
+                constant_loss_w: p.drives.converter.constant_loss_w,
+                voltage_drop_v: p.drives.converter.voltage_drop_v,
+                resistance_ohm: p.drives.converter.resistance_ohm,
+                current_limit_a: p.drives.converter.current_limit_a,
             },
             motor: VoltstepMotorParams {
-                resistance_ohm: p.motor.resistance_ohm,
-                inductance_h: p.motor.inductance_h,
-                back_emf_v_s_per_rad: p.motor.back_emf_v_s_per_rad,
-                torque_nm_per_a: p.motor.torque_nm_per_a,
-                inertia_kg_m2: p.motor.inertia_kg_m2,
-                viscous_nm_s_per_rad: p.motor.viscous_nm_s_per_rad,
-                coulomb_nm: p.motor.coulomb_nm,
+                resistance_ohm: p.drives.motor.resistance_ohm,
+                inductance_h: p.drives.motor.inductance_h,
+                back_emf_v_s_per_rad: p.drives.motor.back_emf_v_s_per_rad,
+                torque_nm_per_a: p.drives.motor.torque_nm_per_a,
+                inertia_kg_m2: p.drives.motor.inertia_kg_m2,
+                viscous_nm_s_per_rad: p.drives.motor.viscous_nm_s_per_rad,
+                coulomb_nm: p.drives.motor.coulomb_nm,
             },
             gearbox: VoltstepGearboxParams {
-                ratio: p.gearbox.ratio,
-                efficiency: p.gearbox.efficiency,
-                inertia_kg_m2: p.gearbox.inertia_kg_m2,
+                ratio: p.drives.gearbox.ratio,
+                efficiency: p.drives.gearbox.efficiency,
+                inertia_kg_m2: p.drives.gearbox.inertia_kg_m2,
             },
             wheel: VoltstepWheelParams {
                 radius_m: p.wheel.radius_m,

@@ -96,7 +96,7 @@ fn every_preset_steps_as_the_models_do() {
             let (status, out) = step(&plant, &mut state, &inputs(reference_m_s));
             assert_eq!(status, Status::Ok);
             assert_eq!(
-                [out.duty, out.brake_n, out.speed_m_s, out.soc, out.battery_a],
+                [out.drives.duty, out.brake_n, out.speed_m_s, out.soc, out.battery_a],
                 [wanted.duty, command.brake_n, wanted.speed_m_s, wanted.soc, wanted.battery_a]
             );
         }
@@ -113,7 +113,7 @@ fn without_a_driver_the_inputs_say_the_duty() {
     let mut state = state(&plant, 0.8);
     let input = VoltstepInputs { duty: 0.01, ..inputs(0.0) };
     let out = (0..100).map(|_| step(&plant, &mut state, &input).1).last().unwrap();
-    assert!(out.duty == 0.01 && out.speed_m_s > 0.0, "{out:?}");
+    assert!(out.drives.duty == 0.01 && out.speed_m_s > 0.0, "{out:?}");
     // By default the gates are off.
     let (_, off) = step(&plant, &mut state, &inputs(0.0));
     assert!(off.motor_a == 0.0 && off.duty == 0.0 && !off.rejected, "{off:?}");

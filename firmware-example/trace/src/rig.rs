@@ -49,7 +49,7 @@ impl Rig<EnergyLedger> {
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
     pub const fn with_ledger(vehicle: &Vehicle, dt: Dt) -> Result<Self, ParamError> {
-        match Powertrain::with_ledger(vehicle.powertrain, dt) {
+        match Powertrain::new(vehicle.powertrain, dt).map(Powertrain::with_ledger) {
             Ok(plant) => Self::driven(plant, vehicle, dt),
             Err(error) => Err(error),
         }
@@ -65,7 +65,7 @@ impl Rig<NoLedger, MappedBattery> {
         vehicle: &Vehicle<MappedBatteryParams>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
-        match Powertrain::mapped(vehicle.powertrain, dt) {
+        match vehicle.powertrain.build(dt) {
             Ok(plant) => Self::driven(plant, vehicle, dt),
             Err(error) => Err(error),
         }
@@ -81,7 +81,7 @@ impl Rig<EnergyLedger, MappedBattery> {
         vehicle: &Vehicle<MappedBatteryParams>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
-        match Powertrain::mapped_with_ledger(vehicle.powertrain, dt) {
+        match vehicle.powertrain.build(dt).map(Powertrain::with_ledger) {
             Ok(plant) => Self::driven(plant, vehicle, dt),
             Err(error) => Err(error),
         }

@@ -57,7 +57,7 @@ macro_rules! terms {
             pub throughput: Real,
             /// Gained in the motion of body, wheels, gears and rotor.
             pub kinetic: Real,
-            /// Gained in the winding's inductance.
+            /// Gained in the inductance of machines with one winding.
             pub inductive: Real,
             /// Gained in the RC branch's capacitance.
             pub capacitive: Real,
@@ -113,6 +113,10 @@ terms! {
     /// the other. Negative, created from nothing, where Kt > Ke and the motor drives, or where
     /// Ke > Kt and it generates.
     conversion,
+    /// Heat in the iron of machines that have it apart.
+    iron,
+    /// Into the field of machines with three phases, with what the step dissipates there.
+    field,
     /// Viscous friction of motor, wheels and body.
     viscous,
     /// Coulomb friction of the motor.
@@ -127,12 +131,11 @@ terms! {
     brake,
     /// Gained in height.
     potential,
-    /// What the implicit step dissipates: `½L·Δi² + ½m·Δv² + ½C·ΔV²`. It vanishes with the step.
+    /// What the implicit step dissipates: `½L·Δi² + ½m·Δv² + ½C·ΔV²`, L of machines with one winding.
+    /// It vanishes with the step.
     numerical,
 }
 
-// The ring of sums turns by a mask.
-const _: () = assert!(TERMS == 16);
 
 impl EnergyReport {
     /// The residual over the throughput, or over what moved between height, motion and brake where
@@ -227,7 +230,7 @@ impl Book for EnergyLedger {
         for (sum, power) in self.recent.iter_mut().zip(raw.array()) {
             *sum += power;
         }
-        let k = self.next % TERMS;
+        let k = if self.next < TERMS { self.next } else { 0 };
         self.totals[k].add(self.recent[k]);
         self.recent[k] = 0.0;
         self.next = k + 1;

@@ -7,7 +7,9 @@ mod batteries;
 pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, MappedBatteryParams, OpenCircuit, RcBranchParams};
+use crate::battery::{
+    BatteryParams, MappedBatteryParams, OpenCircuit, RcBranchParams, VoltageLimits,
+};
 use crate::control::driver::{DriverParams, TorqueDriverParams};
 use crate::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use crate::converter::ConverterParams;
@@ -19,7 +21,7 @@ use crate::mechanics::gearbox::GearboxParams;
 use crate::mechanics::rotational::RotationalLoadParams;
 use crate::mechanics::wheel::WheelParams;
 use crate::num::Real;
-use crate::powertrain::PowertrainParams;
+use crate::powertrain::{DriveParams, PowertrainParams, TORQUE_RATE_PER_S};
 
 /// A vehicle with its driver; `P` says which battery it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,19 +116,24 @@ pub const EPOWERTRAIN_UDDS_TABLE: Vehicle = Vehicle {
             polarisation: RcBranchParams { resistance_ohm: 1e-3, capacitance_f: 1e-6 },
             discharge_limit_a: 400.0,
             charge_limit_a: 400.0,
+            voltage_limits: VoltageLimits::NONE,
         },
         auxiliary: AuxiliaryParams::NONE,
-        converter: ConverterParams { duty_limit: Real::INFINITY, ..ConverterParams::IDEAL },
-        motor: DcMotorParams {
-            resistance_ohm: 0.025,
-            inductance_h: 1e-3,
-            back_emf_v_s_per_rad: 0.65,
-            torque_nm_per_a: 0.65,
-            inertia_kg_m2: 3.87e-7,
-            viscous_nm_s_per_rad: 4.21e-6,
-            coulomb_nm: 0.0,
+        drives: DriveParams {
+            converter: ConverterParams { duty_limit: Real::INFINITY, ..ConverterParams::IDEAL },
+            motor: DcMotorParams {
+                resistance_ohm: 0.025,
+                inductance_h: 1e-3,
+                back_emf_v_s_per_rad: 0.65,
+                torque_nm_per_a: 0.65,
+                inertia_kg_m2: 3.87e-7,
+                viscous_nm_s_per_rad: 4.21e-6,
+                coulomb_nm: 0.0,
+            },
+            gearbox: GearboxParams::NONE,
+            torque_rate_per_s: TORQUE_RATE_PER_S,
+            torque_share: 1.0,
         },
-        gearbox: GearboxParams::NONE,
         wheel: WheelParams { radius_m: 0.25, inertia_kg_m2: 0.0, viscous_nm_s_per_rad: 0.0 },
         body: BodyParams {
             mass_kg: 1500.0,
@@ -146,10 +153,13 @@ pub const EPOWERTRAIN_UDDS_TABLE: Vehicle = Vehicle {
 pub const EPOWERTRAIN_UDDS: Vehicle = Vehicle {
     name: "epowertrain-udds",
     powertrain: PowertrainParams {
-        motor: DcMotorParams {
-            back_emf_v_s_per_rad: 1.4,
-            torque_nm_per_a: 1.4,
-            ..EPOWERTRAIN_UDDS_TABLE.powertrain.motor
+        drives: DriveParams {
+            motor: DcMotorParams {
+                back_emf_v_s_per_rad: 1.4,
+                torque_nm_per_a: 1.4,
+                ..EPOWERTRAIN_UDDS_TABLE.powertrain.drives.motor
+            },
+            ..EPOWERTRAIN_UDDS_TABLE.powertrain.drives
         },
         ..EPOWERTRAIN_UDDS_TABLE.powertrain
     },
@@ -170,15 +180,20 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
             polarisation: RcBranchParams { resistance_ohm: 1.7834e-4, capacitance_f: 9532.9 },
             discharge_limit_a: 400.0,
             charge_limit_a: 400.0,
+            voltage_limits: VoltageLimits::NONE,
         },
         auxiliary: AuxiliaryParams { resistance_ohm: 80.4765, ..AuxiliaryParams::NONE },
-        converter: ConverterParams::IDEAL,
-        motor: DcMotorParams {
-            resistance_ohm: 1.72,
-            inductance_h: 106.26e-6,
-            ..CONVERTER_BENCH_MOTOR
+        drives: DriveParams {
+            converter: ConverterParams::IDEAL,
+            motor: DcMotorParams {
+                resistance_ohm: 1.72,
+                inductance_h: 106.26e-6,
+                ..CONVERTER_BENCH_MOTOR
+            },
+            gearbox: GearboxParams { ratio: 6.0, efficiency: 1.0, inertia_kg_m2: 0.0 },
+            torque_rate_per_s: TORQUE_RATE_PER_S,
+            torque_share: 1.0,
         },
-        gearbox: GearboxParams { ratio: 6.0, efficiency: 1.0, inertia_kg_m2: 0.0 },
         wheel: WheelParams { radius_m: 0.29, inertia_kg_m2: 0.0, viscous_nm_s_per_rad: 0.0 },
         body: BodyParams {
             mass_kg: 1280.0,
@@ -243,23 +258,27 @@ pub const BMW_I3_60AH_CONSTANT: Vehicle = Vehicle {
             resistance_ohm: Real::INFINITY,
             cut_out_v: 250.0,
         },
-        converter: ConverterParams {
-            duty_limit: 1.0,
-            constant_loss_w: 0.0,
-            voltage_drop_v: 1.0,
-            resistance_ohm: 1e-3,
-            current_limit_a: 1000.0,
+        drives: DriveParams {
+            converter: ConverterParams {
+                duty_limit: 1.0,
+                constant_loss_w: 0.0,
+                voltage_drop_v: 1.0,
+                resistance_ohm: 1e-3,
+                current_limit_a: 1000.0,
+            },
+            motor: DcMotorParams {
+                resistance_ohm: 5e-3,
+                inductance_h: 50e-6,
+                back_emf_v_s_per_rad: 0.27,
+                torque_nm_per_a: 0.27,
+                inertia_kg_m2: 0.031,
+                viscous_nm_s_per_rad: 5e-4,
+                coulomb_nm: 0.0,
+            },
+            gearbox: GearboxParams { ratio: 9.665, efficiency: 0.97, inertia_kg_m2: 0.0 },
+            torque_rate_per_s: TORQUE_RATE_PER_S,
+            torque_share: 1.0,
         },
-        motor: DcMotorParams {
-            resistance_ohm: 5e-3,
-            inductance_h: 50e-6,
-            back_emf_v_s_per_rad: 0.27,
-            torque_nm_per_a: 0.27,
-            inertia_kg_m2: 0.031,
-            viscous_nm_s_per_rad: 5e-4,
-            coulomb_nm: 0.0,
-        },
-        gearbox: GearboxParams { ratio: 9.665, efficiency: 0.97, inertia_kg_m2: 0.0 },
         wheel: WheelParams { radius_m: 0.340, inertia_kg_m2: 2.2, viscous_nm_s_per_rad: 0.0 },
         body: BodyParams {
             mass_kg: 1490.0,
