@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `pmsm`, `field_oriented`, `sampled`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `components`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -24,6 +24,7 @@ mod pmsm;
 mod sampled;
 mod signals;
 mod tolerance;
+mod torque_loops;
 mod trip;
 mod udds;
 
@@ -188,6 +189,7 @@ fn cases() -> Vec<Case> {
     cases.extend(motor::CASES);
     cases.extend(pmsm::CASES);
     cases.extend(drives::CASES);
+    cases.extend(torque_loops::CASES);
     cases.extend(field_oriented::CASES);
     cases.extend(sampled::CASES);
     cases.extend(components::CASES);

@@ -84,7 +84,7 @@ fn run() -> anyhow::Result<(Vec<Check>, Record)> {
     let mut record = Record::new(PANELS);
     let found = checks("UDDS, epowertrain-udds, in steps of 0.1 ms", |checks| {
         let dt = Dt::from_s(DT_S)?;
-        let plant = Powertrain::with_ledger(EPOWERTRAIN_UDDS.powertrain, dt)?;
+        let plant = Powertrain::new(EPOWERTRAIN_UDDS.powertrain, dt)?.with_ledger();
         let driver = Driver::new(EPOWERTRAIN_UDDS.driver, &EPOWERTRAIN_UDDS.powertrain, dt)?;
         let route = Route::of_cycle(&cycle::by_name("udds").context("no cycle `udds`")?);
         let start = plant.at_rest(EPOWERTRAIN_UDDS.initial_soc)?;
@@ -112,7 +112,7 @@ fn run() -> anyhow::Result<(Vec<Check>, Record)> {
                 );
                 anyhow::ensure!(!out.rejected, "the plant refused its input at {} s", to.time_s);
                 seen = Feedback::from(&out);
-                widen(&mut torque_nm, out.motor_nm.into());
+                widen(&mut torque_nm, out.drives.motor_nm.into());
                 widen(&mut battery_a, out.battery_a.into());
             }
             for (whole, part) in [(&mut torque, torque_nm), (&mut current, battery_a)] {
