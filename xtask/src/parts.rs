@@ -109,7 +109,7 @@ fn fuzz() -> Result<()> {
     Ok(())
 }
 
-/// The Python that has FASTSim.
+/// The Python that has the package.
 const PYTHON: &str = "VOLTSTEP_PYTHON";
 
 fn fastsim() -> Result<()> {

@@ -22,7 +22,8 @@
 //! the power is what the limit leaves, so the current rises no faster than that. *Charge*: up to the
 //! edge, the current that charges just so much once it is held, commands are free; it stays on the
 //! edge while the command would lead beyond; one that is beyond already, as the limit fell, decays
-//! to it with L/R.
+//! to it with L/R. A command that ends where so much of the braking is heat that less is charged
+//! again is held at the edge too; a plant may let it pass, so such a case compares nothing.
 
 mod description;
 mod machine;
