@@ -19,6 +19,10 @@ use crate::num::{Real, clamp, max, min, sign, sqrt};
 /// without, it could never leave the edge.
 const RELEASE: Real = 1.0005;
 
+/// A power is known to this share of the back-EMF's, or of the field's: a shorted winding, whose power
+/// is rounding, does not charge.
+const ROUNDING: Real = 1e-6;
+
 /// One axis of a winding over one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
@@ -81,8 +85,11 @@ impl Axis {
             // Braking by drawing may end as braking that charges.
             (rise_a, held) = (self.at_power(bounds.highest_w, i + rise_a), Held::Discharge);
         }
-        let charges = self.held_w(clamp(ends_at, -most_a, most_a)) < bounds.lowest_held_w;
-        if !charges && self.power_w(rise_a) >= bounds.lowest_w {
+        let ends_at = clamp(ends_at, -most_a, most_a);
+        let rounding_v = ROUNDING * (self.back_emf_v.abs() + self.step_ohm() * rise_a.abs());
+        let charges = self.held_w(ends_at) < bounds.lowest_held_w - rounding_v * ends_at.abs();
+        let lowest_w = bounds.lowest_w - rounding_v * (i + rise_a).abs();
+        if !charges && self.power_w(rise_a) >= lowest_w {
             return (rise_a, held);
         }
         let free = rise_a;
@@ -98,7 +105,7 @@ impl Axis {
                 rise_a = decayed;
             }
         }
-        if self.power_w(rise_a) < bounds.lowest_w {
+        if self.power_w(rise_a) < lowest_w {
             let side = sign(i);
             let mut least = side * self.released(bounds.lowest_w);
             if carried > 0.0 {
@@ -132,15 +139,12 @@ impl Axis {
         }
     }
 
-    /// The increment to a power ≥ 0, the current on the side of `near`.
+    /// The increment to a power ≥ 0, the current on the side of `near`. One root lies on either side,
+    /// or at no current.
     fn at_power(&self, power_w: Real, near: Real) -> Real {
         match self.roots(power_w) {
-            Some((one, two)) if (self.current_a + one > 0.0) == (near > 0.0) => {
-                // Both may be, to rounding.
-                let other = (self.current_a + two > 0.0) == (near > 0.0) && two.abs() < one.abs();
-                if other { two } else { one }
-            }
-            Some((_, two)) => two,
+            Some((one, two)) if near > 0.0 => max(one, two),
+            Some((one, two)) => min(one, two),
             None => -self.current_a,
         }
     }

@@ -9,8 +9,9 @@ pub mod pmsm;
 pub mod transform;
 
 use crate::converter::Gates;
+use crate::mechanics::body::{Motion, Resistance};
 use crate::num::Real;
-use crate::port::{BusLaw, DriveLaw};
+use crate::port::{BusLaw, DriveLaw, Source};
 
 /// What a machine sees when a step begins.
 #[derive(Clone, Copy, Debug)]
@@ -25,15 +26,26 @@ pub struct Seen {
     pub footing: Footing,
 }
 
-/// A solution of one step.
+/// A solution of one step: the machines' links, the bus voltage \[V\], the road.
 #[derive(Clone, Copy, Debug)]
-pub struct Solved {
+pub struct Solved<K> {
+    /// What the walk back needs.
+    pub link: K,
     /// Voltage of the bus \[V\].
     pub bus_v: Real,
-    /// How much that is above the one that the laws count from \[V\].
-    pub rise_v: Real,
-    /// Speed increment of the road \[m/s\].
-    pub dv: Real,
+    /// What the body does.
+    pub motion: Motion,
+}
+
+impl Solved<()> {
+    /// What a law leads to on a bus: one equation.
+    #[inline(always)]
+    #[must_use]
+    pub const fn of(law: BusLaw, seen: Seen, bus: Source, resistance: &Resistance) -> Self {
+        let (drive, rise) = law.on(bus, seen.from_v);
+        let motion = resistance.solve(drive, seen.speed_m_s);
+        Self { link: (), bus_v: seen.from_v + rise.at(motion.increment_m_s), motion }
+    }
 }
 
 /// What a solution would lead to, before it is booked.
@@ -44,7 +56,7 @@ pub struct Review {
     /// Power into the field of the axis that makes the torque \[W\]: once it has grown, the bus is
     /// charged with so much more.
     pub field_w: Real,
-    /// The winding keeps its own limit; with gates off, the diodes do block.
+    /// The winding keeps its own limit, and what was supposed of diodes and drops holds.
     pub fits: bool,
     /// The sum of the magnitudes of what would enter the state.
     pub magnitude: Real,
@@ -162,12 +174,36 @@ pub trait Machine: Copy {
     ) -> (BusLaw, Self::Link);
     /// The force that a command is about to make at the road \[N\].
     fn expected_n(&self, state: &Self::State, gates: Gates<Self::Modulation>) -> Real;
-    /// The step with gates off where the diodes conduct.
-    fn rectified(&self, state: &Self::State, seen: Seen) -> (BusLaw, Self::Link);
+    /// The step again where a solution did not fit: diodes conduct that were supposed to block, or a
+    /// drop would drive a current.
+    fn law_again(
+        &self,
+        state: &Self::State,
+        gates: Gates<Self::Modulation>,
+        seen: Seen,
+        link: &Self::Link,
+    ) -> (BusLaw, Self::Link);
+    /// The rise of the current, once those of bus voltage and speed are known.
+    fn close(&self, link: Self::Link, rise_v: Real, dv: Real) -> Self::Link;
+    /// All of this for a machine that has the bus for itself.
+    #[inline(always)]
+    fn solve(
+        &self,
+        state: &Self::State,
+        gates: Gates<Self::Modulation>,
+        seen: Seen,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Solved<Self::Link> {
+        let (law, link) = self.law(state, gates, seen);
+        let solved = Solved::of(law, seen, bus, resistance);
+        let link = self.close(link, solved.bus_v - seen.from_v, solved.motion.increment_m_s);
+        Solved { link, bus_v: solved.bus_v, motion: solved.motion }
+    }
     /// What a solution leads to.
-    fn review(&self, state: &Self::State, link: &Self::Link, solved: Solved) -> Review;
+    fn review(&self, state: &Self::State, link: &Self::Link, bus_v: Real, dv: Real) -> Review;
     /// Back: books a solution.
-    fn settle(&self, state: &mut Self::State, link: &Self::Link, solved: Solved);
+    fn settle(&self, state: &mut Self::State, link: &Self::Link);
     /// The force of its current at the road \[N\].
     fn force_n(&self, state: &Self::State) -> Real;
     /// What a step says, after it was booked.
@@ -199,7 +235,6 @@ pub trait Machine: Copy {
         &self,
         state: &Self::State,
         link: &Self::Link,
-        solved: Solved,
         collapsed: bool,
     ) -> Self::Rise;
     /// The nearest that the winding may carry.

@@ -9,11 +9,12 @@ use crate::converter::{ConverterParams, Gates};
 use crate::error::{ParamError, check, positive};
 use crate::machine::dc::{DcDrive, DcMotorParams};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
+use crate::mechanics::body::Resistance;
 use crate::mechanics::gearbox::{Gearbox, GearboxParams};
 use crate::mechanics::wheel::{Wheel, WheelParams};
 use crate::model::Dt;
 use crate::num::{Real, max, min};
-use crate::port::{BusLaw, Coast, DriveLaw};
+use crate::port::{BusLaw, Coast, DriveLaw, Source};
 
 /// Parameters of a drive; `M` are those of its machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -285,17 +286,47 @@ pub trait Drives: Copy {
     fn torque_share(&self) -> Real;
     /// See [`Machine::expected_n`].
     fn expected_n(&self, state: &Self::State, command: Self::Command) -> Real;
-    /// The same where diodes conduct that [`law`](Self::law) supposed to block.
-    fn law_rectified(
+    /// See [`Machine::law_again`].
+    fn law_again(
         &self,
         state: &Self::State,
         command: Self::Command,
         seen: Seen,
+        link: &Self::Link,
     ) -> (BusLaw, Self::Link);
+    /// See [`Machine::close`].
+    fn close(&self, link: Self::Link, rise_v: Real, dv: Real) -> Self::Link;
+    /// See [`Machine::solve`].
+    #[inline(always)]
+    fn solve(
+        &self,
+        state: &Self::State,
+        command: Self::Command,
+        seen: Seen,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Solved<Self::Link> {
+        let (law, link) = self.law(state, command, seen);
+        self.closed(law, link, seen, bus, resistance)
+    }
+    /// A law solved and closed.
+    #[inline(always)]
+    fn closed(
+        &self,
+        law: BusLaw,
+        link: Self::Link,
+        seen: Seen,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Solved<Self::Link> {
+        let Solved { bus_v, motion, .. } = Solved::of(law, seen, bus, resistance);
+        let link = self.close(link, bus_v - seen.from_v, motion.increment_m_s);
+        Solved { link, bus_v, motion }
+    }
     /// See [`Machine::review`].
-    fn review(&self, state: &Self::State, link: &Self::Link, solved: Solved) -> Review;
+    fn review(&self, state: &Self::State, link: &Self::Link, bus_v: Real, dv: Real) -> Review;
     /// See [`Machine::settle`].
-    fn settle(&self, state: &mut Self::State, link: &Self::Link, solved: Solved);
+    fn settle(&self, state: &mut Self::State, link: &Self::Link);
     /// Friction of the gears at the road \[N\].
     fn gear_n(&self, state: &Self::State) -> Real;
     /// See [`Machine::output`].
@@ -325,7 +356,6 @@ pub trait Drives: Copy {
         &self,
         state: &Self::State,
         link: &Self::Link,
-        solved: Solved,
         collapsed: bool,
     ) -> Self::Rises;
     /// See [`Machine::within_winding`].
@@ -389,26 +419,41 @@ impl<M: Machine> Drives for Drive<M> {
         self.machine.expected_n(state, command)
     }
 
-    fn law_rectified(
+    fn law_again(
         &self,
         state: &M::State,
         command: Self::Command,
         seen: Seen,
+        link: &M::Link,
     ) -> (BusLaw, M::Link) {
-        match command {
-            Gates::Off => self.machine.rectified(state, seen),
-            _ => self.machine.law(state, command, seen),
-        }
+        self.machine.law_again(state, command, seen, link)
     }
 
     #[inline(always)]
-    fn review(&self, state: &M::State, link: &M::Link, solved: Solved) -> Review {
-        self.machine.review(state, link, solved)
+    fn close(&self, link: M::Link, rise_v: Real, dv: Real) -> M::Link {
+        self.machine.close(link, rise_v, dv)
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut M::State, link: &M::Link, solved: Solved) {
-        self.machine.settle(state, link, solved);
+    fn solve(
+        &self,
+        state: &M::State,
+        command: Self::Command,
+        seen: Seen,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Solved<M::Link> {
+        self.machine.solve(state, command, seen, bus, resistance)
+    }
+
+    #[inline(always)]
+    fn review(&self, state: &M::State, link: &M::Link, bus_v: Real, dv: Real) -> Review {
+        self.machine.review(state, link, bus_v, dv)
+    }
+
+    #[inline(always)]
+    fn settle(&self, state: &mut M::State, link: &M::Link) {
+        self.machine.settle(state, link);
     }
 
     #[inline(always)]
@@ -464,10 +509,9 @@ impl<M: Machine> Drives for Drive<M> {
         &self,
         state: &M::State,
         link: &M::Link,
-        solved: Solved,
         collapsed: bool,
     ) -> M::Rise {
-        self.machine.reached(state, link, solved, collapsed)
+        self.machine.reached(state, link, collapsed)
     }
 
     fn within_winding(&self, state: &M::State, rise: M::Rise) -> M::Rise {
@@ -574,22 +618,28 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         self.0.expected_n(&state.0, command.0) + self.1.expected_n(&state.1, command.1)
     }
 
-    fn law_rectified(
+    fn law_again(
         &self,
         state: &Self::State,
         command: Self::Command,
         seen: Seen,
+        link: &Self::Link,
     ) -> (BusLaw, Self::Link) {
         let (of_one, of_two) = self.seen(state, command, seen);
-        let (one, a) = self.0.law_rectified(&state.0, command.0, of_one);
-        let (two, b) = self.1.law_rectified(&state.1, command.1, of_two);
+        let (one, a) = self.0.law_again(&state.0, command.0, of_one, &link.0);
+        let (two, b) = self.1.law_again(&state.1, command.1, of_two, &link.1);
         (one + two, (a, b))
     }
 
     #[inline(always)]
-    fn review(&self, state: &Self::State, link: &Self::Link, solved: Solved) -> Review {
-        let a = self.0.review(&state.0, &link.0, solved);
-        let b = self.1.review(&state.1, &link.1, solved);
+    fn close(&self, link: Self::Link, rise_v: Real, dv: Real) -> Self::Link {
+        (self.0.close(link.0, rise_v, dv), self.1.close(link.1, rise_v, dv))
+    }
+
+    #[inline(always)]
+    fn review(&self, state: &Self::State, link: &Self::Link, bus_v: Real, dv: Real) -> Review {
+        let a = self.0.review(&state.0, &link.0, bus_v, dv);
+        let b = self.1.review(&state.1, &link.1, bus_v, dv);
         Review {
             bus_a: a.bus_a + b.bus_a,
             field_w: a.field_w + b.field_w,
@@ -599,9 +649,9 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut Self::State, link: &Self::Link, solved: Solved) {
-        self.0.settle(&mut state.0, &link.0, solved);
-        self.1.settle(&mut state.1, &link.1, solved);
+    fn settle(&self, state: &mut Self::State, link: &Self::Link) {
+        self.0.settle(&mut state.0, &link.0);
+        self.1.settle(&mut state.1, &link.1);
     }
 
     #[inline(always)]
@@ -663,12 +713,11 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
         &self,
         state: &Self::State,
         link: &Self::Link,
-        solved: Solved,
         collapsed: bool,
     ) -> Self::Rises {
         (
-            self.0.reached(&state.0, &link.0, solved, collapsed),
-            self.1.reached(&state.1, &link.1, solved, collapsed),
+            self.0.reached(&state.0, &link.0, collapsed),
+            self.1.reached(&state.1, &link.1, collapsed),
         )
     }
 

@@ -11,9 +11,9 @@ use super::drives::{Drives, Mode};
 use super::solve::{Loads, Walk};
 use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::{CurrentLimits, Pack};
-use crate::machine::Held;
-use crate::mechanics::body::Resistance;
-use crate::num::{LARGEST, Real, max, min, sqrt};
+use crate::machine::{Held, Solved};
+use crate::mechanics::body::{Motion, Resistance};
+use crate::num::{LARGEST, Real, clamp, max, min, sqrt};
 use crate::port::{Slip, Source};
 use crate::powertrain::ledger::Book;
 
@@ -35,6 +35,8 @@ pub(super) struct Kept<K> {
     pub walk: Walk<K>,
     pub limited: Limited,
     pub starved: bool,
+    /// What draws beside the drives; less where that is starved.
+    pub loads: Loads,
     /// What flows beyond the battery's limits all the same \[A\].
     pub exceeded_a: Real,
 }
@@ -57,24 +59,32 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         source: Source,
         resistance: Resistance,
     ) -> Kept<D::Link> {
-        let limits = self.battery.faded(&state.battery).within(asked);
-        let mut bus = loads.leave(source);
+        let mut limits = self.battery.faded(&state.battery).within(asked);
+        // No more than the source can give at all.
+        let greatest_a = GREATEST * 0.5 * source.emf_v / source.resistance_ohm;
+        limits.discharge_a = min(limits.discharge_a, greatest_a);
+        let bus = loads.leave(source);
         if !walk.review.fits {
             // Or a winding's own limit, where this changes nothing.
-            let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, &resistance));
-            walk = self.solve(state, law, &loads, bus, &resistance);
+            walk = self.again(state, command, &walk.link, &loads, bus, &resistance);
         }
-        let starved = walk.battery_a > limits.discharge_a
-            && loads.current_a(bus.emf_v) > limits.discharge_a;
+        let (mut walk, limited) =
+            self.held(state, command, walk, &loads, source, bus, &resistance, limits);
+        // The drives have given what they can; the loads get what is left.
+        let starved = loads.current_a(bus.emf_v) > limits.discharge_a
+            && walk.battery_a > limits.discharge_a;
         if starved {
-            (loads, bus) = (Loads::STARVED, source);
-            let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, &resistance));
-            walk = self.solve(state, law, &loads, bus, &resistance);
+            let battery_v = source.voltage_v(limits.discharge_a);
+            let drives_a = walk.review.bus_a * walk.battery_v / battery_v;
+            let share = (limits.discharge_a - drives_a) / loads.current_a(battery_v);
+            loads = loads.times(clamp(share, 0.0, 1.0));
+            let rises = self.drives.reached(&state.drives, &walk.link, false);
+            let at = At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
+            walk = self.imposed(state, &walk, rises, walk.motion, battery_v, &at);
         }
-        let (walk, limited) = self.held(state, command, walk, &loads, source, bus, &resistance, limits);
         let over_a = max(walk.battery_a - limits.discharge_a, -walk.battery_a - limits.charge_a);
         let exceeded = over_a > EXCEEDED_REL * walk.battery_a.abs() + EXCEEDED_A;
-        Kept { walk, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
+        Kept { walk, loads, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
     }
 
     #[expect(clippy::too_many_arguments, reason = "one step's values")]
@@ -91,9 +101,9 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         limits: CurrentLimits,
     ) -> (Walk<D::Link>, Limited) {
         let link = &walk.link;
+        let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
         let v = state.body.speed_m_s.get();
         let half_v = 0.5 * bus.emf_v;
-        let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
         let draws =
             walk.battery_a > limits.discharge_a || walk.battery_v < COLLAPSED * bus.emf_v;
         if !draws {
@@ -101,7 +111,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         }
         // A duty beyond that of the greatest power asks for more and brings less.
         let collapsed = draws && walk.battery_v < half_v;
-        let wants = self.drives.reached(&state.drives, link, walk.solved(), collapsed);
+        let wants = self.drives.reached(&state.drives, link, collapsed);
         let carried = self.drives.within_winding(&state.drives, wants);
         let mut motion = walk.motion;
         let (mut rises, mut held) = (carried, Held::No);
@@ -128,17 +138,54 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let power_w = self.drives.wishes(&state.drives, link, rises, ended_m_s).power_w;
         let headroom = half_v * half_v - bus.resistance_ohm * power_w;
         let bus_v = half_v + sqrt(max(headroom, 0.0));
-        let (imposed, nearest) =
-            self.drives.impose(&state.drives, link, rises, command, ended_m_s, bus_v);
-        let walk = match nearest {
-            None => self.reviewed(state, imposed, loads, motion, bus_v - state.battery_v),
-            Some(command) => {
-                let law = self.drives.law_rectified(&state.drives, command, Self::seen(state, bus, resistance));
-                self.solve(state, law, loads, bus, resistance)
-            }
-        };
-        (walk, limited)
+        let at = At { command, loads, bus, resistance };
+        (self.imposed(state, &walk, rises, motion, bus_v, &at), limited)
     }
+
+    /// The step that makes these rises of the currents at this bus voltage; where a converter cannot
+    /// make a voltage, what the nearest command leads to.
+    fn imposed(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+        walk: &Walk<D::Link>,
+        rises: D::Rises,
+        motion: Motion,
+        bus_v: Real,
+        at: &At<'_, D::Command>,
+    ) -> Walk<D::Link> {
+        let ended_m_s = state.body.speed_m_s.get() + motion.increment_m_s;
+        let (link, nearest) =
+            self.drives.impose(&state.drives, &walk.link, rises, at.command, ended_m_s, bus_v);
+        match nearest {
+            None => self.reviewed(state, at.loads, Solved { link, bus_v, motion }),
+            Some(command) => {
+                self.again(state, command, &walk.link, at.loads, at.bus, at.resistance)
+            }
+        }
+    }
+
+    /// The step under a command, where what the first supposed did not fit.
+    fn again(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+        command: D::Command,
+        link: &D::Link,
+        loads: &Loads,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Walk<D::Link> {
+        let seen = Self::seen(state, bus, resistance);
+        let (law, link) = self.drives.law_again(&state.drives, command, seen, link);
+        self.reviewed(state, loads, self.drives.closed(law, link, seen, bus, resistance))
+    }
+}
+
+/// What a solution depends on beside its state.
+struct At<'a, C> {
+    command: C,
+    loads: &'a Loads,
+    bus: Source,
+    resistance: &'a Resistance,
 }
 
 /// How the road answers in a friction mode.
@@ -157,9 +204,7 @@ fn mode(resistance: &Resistance, speed_m_s: Real, slip: Slip, force_n: Real) -> 
 fn drive_power_w(loads: &Loads, source: Source, limits: CurrentLimits) -> (Real, Real) {
     let charging_v = source.voltage_v(-limits.charge_a);
     let fed_a = limits.charge_a + loads.current_a(charging_v);
-    // No more than the source can give at all.
-    let drawn_a = min(limits.discharge_a, GREATEST * 0.5 * source.emf_v / source.resistance_ohm);
-    let drawing_v = source.voltage_v(drawn_a);
-    let left_a = max(drawn_a - loads.current_a(drawing_v), 0.0);
+    let drawing_v = source.voltage_v(limits.discharge_a);
+    let left_a = max(limits.discharge_a - loads.current_a(drawing_v), 0.0);
     (-fed_a * charging_v, left_a * drawing_v)
 }

@@ -342,8 +342,9 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let (source, open_circuit_v) = self.battery.offer(&state.battery);
         let mut loads = self.loads(input.auxiliary_w, state);
         let bus = loads.leave(source);
-        let law = self.drives.law(&state.drives, input.gates, Self::seen(state, bus, &resistance));
-        let mut walk = self.solve(state, law, &loads, bus, &resistance);
+        let seen = Self::seen(state, bus, &resistance);
+        let solved = self.drives.solve(&state.drives, input.gates, seen, bus, &resistance);
+        let mut walk = self.reviewed(state, &loads, solved);
         let mut battery = self.battery.next(&state.battery, walk.battery_a);
         let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
@@ -361,9 +362,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             if kept.limited != Limited::No {
                 limited = kept.limited;
             }
-            if starved {
-                loads = solve::Loads::STARVED;
-            }
+            loads = kept.loads;
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
             overcharged_c = self.battery.settle(&mut settled, walk.battery_a);
@@ -390,11 +389,11 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         // Back: each state from the solution.
         let losses = self.battery.losses(&state.battery, &battery, walk.battery_a);
         let before = state.drives;
-        self.drives.settle(&mut state.drives, &walk.link, walk.solved());
+        self.drives.settle(&mut state.drives, &walk.link);
         Body::settle(&mut state.body, walk.motion, self.dt_s);
         state.battery = battery;
         state.battery_v = walk.battery_v;
-        if loads.any {
+        if !self.plain || input.auxiliary_w > 0.0 {
             state.cut_out_s =
                 self.auxiliary.cut_out_s(state.cut_out_s, walk.battery_v, self.dt_s);
         }

@@ -9,7 +9,7 @@ use crate::battery::Pack;
 use crate::machine::{Footing, Review, Seen, Solved};
 use crate::mechanics::body::{Motion, Resistance};
 use crate::num::{Real, sign};
-use crate::port::{BusLaw, Source};
+use crate::port::Source;
 use crate::powertrain::ledger::Book;
 
 /// What draws from the battery beside the drives, within one step.
@@ -26,9 +26,15 @@ pub(super) struct Loads {
 }
 
 impl Loads {
-    /// Cut off.
-    pub const STARVED: Self =
-        Self { any: true, constant_a: 0.0, resistor_s: 0.0, converter_s: 0.0 };
+    /// A share of them.
+    pub const fn times(&self, share: Real) -> Self {
+        Self {
+            any: self.any,
+            constant_a: self.constant_a * share,
+            resistor_s: self.resistor_s * share,
+            converter_s: self.converter_s * share,
+        }
+    }
 
     pub const fn current_a(&self, battery_v: Real) -> Real {
         self.constant_a + (self.resistor_s + self.converter_s) * battery_v
@@ -50,18 +56,9 @@ impl Loads {
 pub(super) struct Walk<K> {
     pub link: K,
     pub motion: Motion,
-    /// Rise of the bus voltage \[V\].
-    pub rise_v: Real,
     pub battery_v: Real,
     pub battery_a: Real,
     pub review: Review,
-}
-
-impl<K> Walk<K> {
-    #[inline(always)]
-    pub const fn solved(&self) -> Solved {
-        Solved { bus_v: self.battery_v, rise_v: self.rise_v, dv: self.motion.increment_m_s }
-    }
 }
 
 impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
@@ -89,40 +86,22 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         }
     }
 
-    /// What the drives' laws lead to on a bus: one equation, and back to the currents.
-    #[inline(always)]
-    pub(super) fn solve(
-        &self,
-        state: &PowertrainState<L, B::State, D::State>,
-        (law, link): (BusLaw, D::Link),
-        loads: &Loads,
-        bus: Source,
-        resistance: &Resistance,
-    ) -> Walk<D::Link> {
-        let (drive, rise) = law.on(bus, state.battery_v);
-        let motion = resistance.solve(drive, state.body.speed_m_s.get());
-        let rise_v = rise.at(motion.increment_m_s);
-        self.reviewed(state, link, loads, motion, rise_v)
-    }
-
     /// A solution and what it leads to.
     #[inline(always)]
     pub(super) fn reviewed(
         &self,
         state: &PowertrainState<L, B::State, D::State>,
-        link: D::Link,
         loads: &Loads,
-        motion: Motion,
-        rise_v: Real,
+        solved: Solved<D::Link>,
     ) -> Walk<D::Link> {
-        let battery_v = state.battery_v + rise_v;
-        let solved = Solved { bus_v: battery_v, rise_v, dv: motion.increment_m_s };
-        let review = self.drives.review(&state.drives, &link, solved);
+        let Solved { link, bus_v: battery_v, motion } = solved;
+        let review =
+            self.drives.review(&state.drives, &link, battery_v, motion.increment_m_s);
         let mut battery_a = review.bus_a;
         if loads.any {
             battery_a += loads.current_a(battery_v);
         }
-        Walk { link, motion, rise_v, battery_v, battery_a, review }
+        Walk { link, motion, battery_v, battery_a, review }
     }
 
     /// What the drives see when a step begins.

@@ -211,13 +211,21 @@ fn holds(
 
     // Loads, at the voltage of the step before, and the converter.
     let last_v = f64::from(before.battery_v);
-    let (mut power_w, mut resistor_s, mut shunt_s) = (0.0, 0.0, 0.0);
-    if !out.auxiliary_starved {
-        power_w = f64::from(p.auxiliary.power_w) + f64::from(input.auxiliary_w);
-        resistor_s = 1.0 / f64::from(p.auxiliary.resistance_ohm);
-        shunt_s = f64::from(p.drives.converter.constant_loss_w) / last_v.powi(2);
+    let power_w = f64::from(p.auxiliary.power_w) + f64::from(input.auxiliary_w);
+    let mut resistor_s = 1.0 / f64::from(p.auxiliary.resistance_ohm);
+    let mut shunt_s = f64::from(p.drives.converter.constant_loss_w) / last_v.powi(2);
+    let mut constant_a = power_w / last_v;
+    if out.auxiliary_starved {
+        // The same share of each is left.
+        let full_a = constant_a + (resistor_s + shunt_s) * bat_v;
+        let share = (bat_a - duty * i) / full_a;
+        assert!((-1e-6..1.0).contains(&share), "{share}: {out:?}");
+        (constant_a, resistor_s, shunt_s) =
+            (share * constant_a, share * resistor_s, share * shunt_s);
+        let auxiliary_w = (constant_a + resistor_s * bat_v) * bat_v;
+        let error_w = (f64::from(out.flows.auxiliary) - auxiliary_w).abs();
+        assert!(error_w <= 1e-5 * full_a * bat_v + 1e-5 * (duty * i * bat_v).abs(), "{out:?}");
     }
-    let constant_a = power_w / last_v;
     balances(&[duty * i, constant_a, (resistor_s + shunt_s) * bat_v, -bat_a], "node");
     let ohm = f64::from(p.drives.converter.resistance_ohm);
     let mut drop_v = f64::from(p.drives.converter.voltage_drop_v);

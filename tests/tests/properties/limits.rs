@@ -128,6 +128,7 @@ macro_rules! keeps_limits {
             let step = f64::from(out.drives.duty) - duty;
             let flip = n > 1 && step * rise < 0.0 && step.abs().min(f64::abs(rise)) > FLIP;
             flips += u32::from(flip);
+            prop_assert!(flips <= FLIPS, "{n}: {flips} flips, {duty} then {out:?} {before:?}");
             (duty, rise) = (f64::from(out.drives.duty), step);
         }
         prop_assert!(flips <= FLIPS, "{flips} flips");

@@ -14,7 +14,8 @@ use crate::machine::axis::{Axis, AxisBounds};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
 use crate::model::Dt;
 use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, max, sign};
-use crate::port::{BusLaw, DriveLaw};
+use crate::mechanics::body::Resistance;
+use crate::port::{BusLaw, DriveLaw, Source};
 
 /// A DC machine with its converter, discretised for one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +27,11 @@ pub struct DcDrive {
     inductance_ohm: Real,
     /// Winding and converter.
     resistance_ohm: Real,
+    /// L/h and resistance, and one over both.
+    step_ohm: Real,
     admittance_s: Real,
+    /// Ke·Kt
+    effort_emf: Real,
     inductance_h: Real,
     motor_rad_per_m: Real,
     torque_nm_per_a: Real,
@@ -34,13 +39,13 @@ pub struct DcDrive {
     torque_gain: Real,
 }
 
-/// What a step with a [`DcDrive`] leaves for the walk back:
-/// `Δi = free_a + admittance_s·(D·u − Ke·Δv)`, u the rise of the bus voltage.
+/// What a step with a [`DcDrive`] leaves for the walk back. Until it is closed, `rise_a` is the rise of
+/// the current if bus voltage and speed stayed as they are, `admittance_s` what they add to it.
 #[derive(Clone, Copy, Debug)]
 pub struct DcLink {
     duty: Real,
     drop_v: Real,
-    free_a: Real,
+    rise_a: Real,
     admittance_s: Real,
     /// Ke·v at the start \[V\].
     emf_v: Real,
@@ -56,7 +61,7 @@ impl DcLink {
         Self {
             duty,
             drop_v: 0.0,
-            free_a: -current_a,
+            rise_a: -current_a,
             admittance_s: 0.0,
             emf_v,
             on,
@@ -104,7 +109,9 @@ impl DcDrive {
             effort_per_a: kt * motor_rad_per_m,
             inductance_ohm,
             resistance_ohm,
+            step_ohm: inductance_ohm + resistance_ohm,
             admittance_s: 1.0 / (inductance_ohm + resistance_ohm),
+            effort_emf: ke * kt * (motor_rad_per_m * motor_rad_per_m),
             inductance_h,
             motor_rad_per_m,
             torque_nm_per_a: kt,
@@ -112,13 +119,34 @@ impl DcDrive {
         })
     }
 
+    /// What a command leads to before anything is solved, and whether a current may flow.
+    #[inline(always)]
+    fn commanded(&self, i: Real, gates: Gates, seen: Seen) -> (DcLink, bool) {
+        let emf_v = self.back_emf * seen.speed_m_s;
+        let asked = match gates {
+            Gates::Off => return (DcLink::blocked(i, emf_v, 0.0, false), false),
+            Gates::On(duty) => duty,
+            Gates::Torque(torque_nm) => self.duty_for(torque_nm, i, seen),
+        };
+        let clipped = asked.abs() > self.converter.params.duty_limit;
+        let duty = if clipped { self.converter.allowed_duty(asked) } else { asked };
+        let mut link = DcLink { clipped, ..DcLink::blocked(i, emf_v, duty, true) };
+        let drop_v = self.converter.params.voltage_drop_v;
+        if drop_v > 0.0 {
+            let driving_v = duty * seen.bus_v + self.inductance_ohm * i - emf_v;
+            if driving_v.abs() <= drop_v {
+                return (link, false);
+            }
+            link.drop_v = if driving_v < 0.0 { -drop_v } else { drop_v };
+        }
+        (link, true)
+    }
+
     /// The step that a duty leads to, `drop_v` against it.
     #[inline(always)]
     fn conducting(&self, link: DcLink, current_a: Real, from_v: Real) -> (BusLaw, DcLink) {
-        let driving_v = link.duty * from_v
-            - (self.resistance_ohm * current_a + link.emf_v + link.drop_v);
-        let free_a = self.admittance_s * driving_v;
-        let reached_a = current_a + free_a;
+        let rise_a = self.admittance_s * self.driving_v(&link, current_a, from_v);
+        let reached_a = current_a + rise_a;
         let per_v = self.admittance_s * link.duty;
         let per_speed = self.admittance_s * self.back_emf;
         (
@@ -130,7 +158,7 @@ impl DcDrive {
                 effort_per_v: self.effort_per_a * per_v,
                 slope: self.effort_per_a * per_speed,
             },
-            DcLink { free_a, admittance_s: self.admittance_s, ..link },
+            DcLink { rise_a, admittance_s: self.admittance_s, ..link },
         )
     }
 
@@ -138,14 +166,13 @@ impl DcDrive {
     fn terminal_v(&self, current_a: Real, rise_a: Real, speed_m_s: Real) -> Real {
         let drop_v = sign(current_a + rise_a) * self.converter.params.voltage_drop_v;
         let held_v = self.back_emf * speed_m_s + self.resistance_ohm * current_a + drop_v;
-        held_v + (self.inductance_ohm + self.resistance_ohm) * rise_a
+        held_v + self.step_ohm * rise_a
     }
 
-    /// What a solution adds to the current \[A\].
+    /// What a duty drives the current with, the bus at `from_v` \[V\].
     #[inline(always)]
-    fn increment_a(&self, link: &DcLink, solved: Solved) -> Real {
-        let more_v = link.duty * solved.rise_v - self.back_emf * solved.dv;
-        link.free_a + link.admittance_s * more_v
+    fn driving_v(&self, link: &DcLink, current_a: Real, from_v: Real) -> Real {
+        link.duty * from_v - (self.resistance_ohm * current_a + link.emf_v + link.drop_v)
     }
 
     /// The current at the end of a step under a commanded torque: the gain's share of the way there.
@@ -176,25 +203,45 @@ impl Machine for DcDrive {
     #[inline(always)]
     fn law(&self, state: &Accum, gates: Gates, seen: Seen) -> (BusLaw, DcLink) {
         let i = state.get();
-        let emf_v = self.back_emf * seen.speed_m_s;
-        let asked = match gates {
-            Gates::Off => {
-                return (BusLaw::default(), DcLink::blocked(i, emf_v, 0.0, false));
-            }
-            Gates::On(duty) => duty,
-            Gates::Torque(torque_nm) => self.duty_for(torque_nm, i, seen),
-        };
-        let duty = self.converter.allowed_duty(asked);
-        let mut link = DcLink { clipped: duty != asked, ..DcLink::blocked(i, emf_v, duty, true) };
-        let drop_v = self.converter.params.voltage_drop_v;
-        if drop_v > 0.0 {
-            let driving_v = duty * seen.bus_v + self.inductance_ohm * i - emf_v;
-            if driving_v.abs() <= drop_v {
-                return (BusLaw::default(), link);
-            }
-            link.drop_v = if driving_v < 0.0 { -drop_v } else { drop_v };
+        match self.commanded(i, gates, seen) {
+            (link, true) => self.conducting(link, i, seen.from_v),
+            (link, false) => (BusLaw::default(), link),
         }
-        self.conducting(link, i, seen.from_v)
+    }
+
+    #[inline(always)]
+    fn close(&self, link: DcLink, rise_v: Real, dv: Real) -> DcLink {
+        let more_v = link.duty * rise_v - self.back_emf * dv;
+        DcLink { rise_a: link.rise_a + link.admittance_s * more_v, ..link }
+    }
+
+    /// With D²·R of the bus in the winding's resistance, so that its voltage follows in the end.
+    #[inline(always)]
+    fn solve(
+        &self,
+        state: &Accum,
+        gates: Gates,
+        seen: Seen,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Solved<DcLink> {
+        let i = state.get();
+        let (mut link, conducts) = self.commanded(i, gates, seen);
+        let (mut drive, mut per_speed) = (DriveLaw::default(), 0.0);
+        if conducts {
+            let bus_ohm = link.duty * bus.resistance_ohm;
+            let driving_v = self.driving_v(&link, i, bus.emf_v - bus_ohm * i);
+            let admittance_s = 1.0 / (self.step_ohm + link.duty * bus_ohm);
+            link.rise_a = admittance_s * driving_v;
+            per_speed = admittance_s * self.back_emf;
+            drive = DriveLaw {
+                effort: self.effort_per_a * (i + link.rise_a),
+                slope: admittance_s * self.effort_emf,
+            };
+        }
+        let motion = resistance.solve(drive, seen.speed_m_s);
+        link.rise_a -= per_speed * motion.increment_m_s;
+        Solved { link, bus_v: bus.voltage_v(link.duty * (i + link.rise_a)), motion }
     }
 
     #[inline(always)]
@@ -208,9 +255,21 @@ impl Machine for DcDrive {
             }
     }
 
-    fn rectified(&self, state: &Accum, seen: Seen) -> (BusLaw, DcLink) {
+    fn law_again(
+        &self,
+        state: &Accum,
+        gates: Gates,
+        seen: Seen,
+        link: &DcLink,
+    ) -> (BusLaw, DcLink) {
         let i = state.get();
         let emf_v = self.back_emf * seen.speed_m_s;
+        if !matches!(gates, Gates::Off) {
+            if link.drop_v * (i + link.rise_a) < 0.0 {
+                return (BusLaw::default(), DcLink::blocked(i, emf_v, link.duty, true));
+            }
+            return self.law(state, gates, seen);
+        }
         let drop_v = self.converter.params.voltage_drop_v;
         let free_v = self.inductance_ohm * i - emf_v;
         if free_v.abs() <= seen.bus_v + drop_v {
@@ -222,31 +281,32 @@ impl Machine for DcDrive {
     }
 
     #[inline(always)]
-    fn review(&self, state: &Accum, link: &DcLink, solved: Solved) -> Review {
+    fn review(&self, state: &Accum, link: &DcLink, bus_v: Real, dv: Real) -> Review {
         let i = state.get();
-        let increment_a = self.increment_a(link, solved);
-        let reached_a = i + increment_a;
-        let fits = if link.on {
-            // Asked so that what is not a number does not fit.
-            reached_a.abs() <= self.converter.params.current_limit_a
+        let reached_a = i + link.rise_a;
+        let drop_v = self.converter.params.voltage_drop_v;
+        // What is not a number fits, and is refused further on.
+        let broken = if link.on {
+            reached_a.abs() > self.converter.params.current_limit_a
+                || drop_v > 0.0 && link.drop_v * reached_a < 0.0
         } else if link.duty == 0.0 {
-            let free_v = self.inductance_ohm * i - link.emf_v - self.back_emf * solved.dv;
-            free_v.abs() <= solved.bus_v + self.converter.params.voltage_drop_v
+            let free_v = self.inductance_ohm * i - link.emf_v - self.back_emf * dv;
+            free_v.abs() > bus_v + drop_v
         } else {
             // Diodes do not conduct backwards.
-            link.duty * reached_a <= 0.0
+            link.duty * reached_a > 0.0
         };
         Review {
             bus_a: link.duty * reached_a,
-            field_w: self.inductance_ohm * increment_a * reached_a,
-            fits,
+            field_w: self.inductance_ohm * link.rise_a * reached_a,
+            fits: !broken,
             magnitude: reached_a.abs(),
         }
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut Accum, link: &DcLink, solved: Solved) {
-        state.add(self.increment_a(link, solved));
+    fn settle(&self, state: &mut Accum, link: &DcLink) {
+        state.add(link.rise_a);
     }
 
     #[inline(always)]
@@ -277,12 +337,12 @@ impl Machine for DcDrive {
     #[inline(always)]
     fn flows(&self, before: &Accum, after: &Accum, link: &DcLink, speed_m_s: Real) -> MachineFlows {
         let i = after.get();
-        let increment_a = after.since(*before);
+        let _ = before;
         MachineFlows {
             converter: (self.converter.params.resistance_ohm * i + link.drop_v) * i,
             copper: i * i,
             conversion: speed_m_s * i,
-            numerical: self.inductance_ohm * increment_a * increment_a,
+            numerical: self.inductance_ohm * link.rise_a * link.rise_a,
             iron: 0.0,
             field: 0.0,
         }
@@ -314,10 +374,9 @@ impl Machine for DcDrive {
         &self,
         state: &Accum,
         link: &DcLink,
-        solved: Solved,
         collapsed: bool,
     ) -> Real {
-        let (i, rise_a) = (state.get(), self.increment_a(link, solved));
+        let (i, rise_a) = (state.get(), link.rise_a);
         if collapsed {
             return sign(i + rise_a) * LARGEST;
         }
@@ -392,9 +451,10 @@ impl Machine for DcDrive {
     ) -> (DcLink, Option<Gates>) {
         let x = state.get() + rise_a;
         let drop_v = sign(x) * self.converter.params.voltage_drop_v;
-        let imposed = DcLink { drop_v, free_a: rise_a, admittance_s: 0.0, ..*link };
+        let imposed = DcLink { drop_v, rise_a, admittance_s: 0.0, ..*link };
         if !link.on {
-            return (DcLink { duty: -sign(x), ..imposed }, None);
+            // Where diodes conduct, the bus itself is their voltage.
+            return (imposed, if x == 0.0 { None } else { Some(Gates::Off) });
         }
         let asked = self.terminal_v(state.get(), rise_a, speed_m_s) / bus_v;
         let duty = self.converter.allowed_duty(asked);
