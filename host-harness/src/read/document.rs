@@ -58,11 +58,18 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// Finds the field `a.b.c`; a table that only names a variant may be left out of the path.
+    /// Finds the field `a.b.c`; a table that only names a variant may be left out of the path, a
+    /// number counts the tables of a list.
     pub(crate) fn locate(&self, field: &str) -> Place {
         let mut place = Place { offset: 0, path: Vec::new(), value: None };
         let mut value = &self.root;
         for part in field.split('.') {
+            let listed = part.parse().ok().and_then(|n: usize| value.as_array()?.get(n));
+            if let Some(item) = listed {
+                place.offset = item.span().start;
+                value = item.get_ref();
+                continue;
+            }
             let Some((key, found)) = entry(value, part).or_else(|| {
                 let (variant, inner) = only_entry(value)?;
                 let inside = entry(inner.get_ref(), part)?;

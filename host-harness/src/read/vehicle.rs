@@ -199,8 +199,8 @@ impl DriveTable {
         match (self.motor, &self.pmsm) {
             (Some(motor), None) => Ok(DriveKind::Dc(with(&self, motor))),
             (None, Some(pmsm)) => Ok(DriveKind::Pmsm(with(&self, *pmsm))),
-            (None, None) => Err("missing: a table `motor` (DC machine) or `pmsm`"),
-            (Some(_), Some(_)) => Err("has a `motor` and a `pmsm`: one of both"),
+            (None, None) => Err("is missing, and there is no `pmsm`"),
+            (Some(_), Some(_)) => Err("stands beside a `pmsm`: only one of both may"),
         }
     }
 }
@@ -269,7 +269,12 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     if !(0.0..=1.0).contains(&content.initial_soc) {
         return Err(document.refusal("initial_soc", "must lie in 0..1"));
     }
+    let several = !content.drive.is_empty();
     let drives = drives(&document, &mut content)?;
+    if drives.one_dc().is_none() && matches!(content.driver, DriverParams::Duty(_)) {
+        let rule = "must drive one DC machine; others want `driver.torque`";
+        return Err(document.refusal("driver.duty", rule));
+    }
     let vehicle = Vehicle {
         name: content.name,
         description: content.description,
@@ -284,8 +289,8 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         },
         driver: content.driver,
     };
-    check(&vehicle).map_err(|error| {
-        let field = in_file(&document, error.field());
+    check(&vehicle).map_err(|(error, drive)| {
+        let field = in_file(&document, error.field(), drive.filter(|_| several));
         document.refusal(&field, error.message())
     })?;
     Ok(vehicle)
@@ -307,7 +312,7 @@ fn drives(document: &Document<'_>, content: &mut VehicleFile) -> Result<VehicleD
         }
     } else {
         let Some(gearbox) = content.gearbox else {
-            return Err(document.refusal("gearbox", "missing, and no table [[drive]] either"));
+            return Err(document.refusal("gearbox", "is missing, and there is no table [[drive]]"));
         };
         tables.push(DriveTable {
             converter: content.converter.unwrap_or_default(),
@@ -319,13 +324,12 @@ fn drives(document: &Document<'_>, content: &mut VehicleFile) -> Result<VehicleD
         });
     }
     if tables.len() > MOST_DRIVES {
-        return Err(document.refusal("drive", &format!("at most {MOST_DRIVES} of them")));
+        return Err(document.refusal("drive", &format!("may stand {MOST_DRIVES} times at most")));
     }
     let mut found = [None; MOST_DRIVES];
-    for (place, table) in found.iter_mut().zip(tables) {
-        let kind = table.kind();
-        let at = if several { "drive" } else { "motor" };
-        *place = Some(kind.map_err(|what| document.refusal(at, what))?);
+    for (n, (place, table)) in found.iter_mut().zip(tables).enumerate() {
+        let at = if several { format!("drive.{n}") } else { "motor".to_owned() };
+        *place = Some(table.kind().map_err(|what| document.refusal(&at, what))?);
     }
     Ok(VehicleDrives(found))
 }
@@ -351,8 +355,8 @@ fn chosen(
     })
 }
 
-/// Whether the models take the parameters.
-fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
+/// Whether the models take the parameters; else what they refuse, and of which drive.
+fn check(vehicle: &Vehicle) -> Result<(), (ParamError, Option<usize>)> {
     let plant = vehicle.powertrain;
     match plant.battery {
         VehicleBattery::Constant(battery) => check_with(vehicle, battery),
@@ -360,28 +364,42 @@ fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
     }
 }
 
-fn check_with(vehicle: &Vehicle, battery: impl PackParams) -> Result<(), ParamError> {
+fn check_with(
+    vehicle: &Vehicle,
+    battery: impl PackParams,
+) -> Result<(), (ParamError, Option<usize>)> {
     let plant = vehicle.powertrain.with_battery(battery);
-    for kind in plant.drives.as_slice().iter().flatten() {
-        match kind {
-            DriveKind::Dc(drive) => plant.with_drives(*drive).build(CHECK_DT).map(|_| ())?,
-            DriveKind::Pmsm(drive) => plant.with_drives(*drive).build(CHECK_DT).map(|_| ())?,
+    for (n, kind) in plant.drives.as_slice().iter().flatten().enumerate() {
+        let built = match kind {
+            DriveKind::Dc(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
+            DriveKind::Pmsm(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
+        };
+        if let Some(error) = built {
+            return Err((error, Some(n)));
         }
     }
-    match (plant.drives.one_dc(), vehicle.driver) {
-        (Some(drive), driver) => {
-            Driver::new(driver, &plant.with_drives(*drive), CHECK_DT).map(|_| ())
-        }
-        // It takes no more than these two; the plant's sizes do not matter to the check.
+    let refused = match (plant.drives.one_dc(), vehicle.driver) {
+        (Some(drive), driver) => Driver::new(driver, &plant.with_drives(*drive), CHECK_DT).err(),
+        // The plant's sizes do not matter to the check.
         (None, DriverParams::Torque(driver)) => {
-            TorqueDriver::fitted(driver, 1.0, 1.0, 1.0, CHECK_DT).map(|_| ())
+            TorqueDriver::fitted(driver, 1.0, 1.0, 1.0, CHECK_DT).err()
         }
-        (None, DriverParams::Duty(_)) => Err(ParamError::OutOfRange("driver.duty")),
-    }
+        (None, DriverParams::Duty(_)) => None,
+    };
+    refused.map_or(Ok(()), |error| Err((error, None)))
 }
 
-/// A controller does not know where it stands in the file.
-fn in_file(document: &Document<'_>, field: &str) -> String {
+/// A component does not know where it stands in the file: one of several drives, a controller.
+fn in_file(document: &Document<'_>, field: &str, drive: Option<usize>) -> String {
+    if let Some(n) = drive
+        && let Some((component, key)) = field.split_once('.')
+    {
+        match component {
+            "converter" | "motor" | "pmsm" | "gearbox" => return format!("drive.{n}.{field}"),
+            "drive" => return format!("drive.{n}.{key}"),
+            _ => {}
+        }
+    }
     let Some(key) = field.strip_prefix("pid.") else { return field.to_owned() };
     let places = ["driver.duty", "driver.torque.speed"].map(|table| format!("{table}.{key}"));
     let found = places.into_iter().find(|place| document.locate(place).is_found());
