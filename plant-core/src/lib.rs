@@ -21,6 +21,7 @@
 //! |---|---|
 //! | [`num`], [`error`], [`model`] | the scalar [`Real`], compensated sums, lookup table, the only calls to `libm`; why a parameter set is refused ([`must!`] turns that into a compile error); the trait every model shares and the fixed step [`Dt`] |
 //! | [`port`] | what components say to each other within a step |
+//! | [`thermal`] | lumped thermal nodes; derating, resistance over temperature, the losses of a drive |
 //! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature |
 //! | [`auxiliary`] | what else draws from the battery |
 //! | [`converter`] | averaged four-quadrant converter |
@@ -73,6 +74,7 @@ pub mod port;
 pub mod powertrain;
 pub mod presets;
 pub mod signal;
+pub mod thermal;
 
 pub use battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams};
 pub use control::driver::{Driver, DriverInput, DriverOutput, DriverParams, DriverState};

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `equations` | the independent solver and the vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `pmsm`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `pmsm`, `components`, `parts`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`endurance`] | `voltstep endurance` |
 
 mod adaptive;
@@ -15,6 +15,7 @@ mod components;
 pub mod endurance;
 mod equations;
 mod motor;
+mod parts;
 mod pmsm;
 mod signals;
 mod tolerance;
@@ -178,6 +179,7 @@ fn cases() -> Vec<Case> {
     cases.extend(motor::CASES);
     cases.extend(pmsm::CASES);
     cases.extend(components::CASES);
+    cases.extend(parts::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases

@@ -419,6 +419,20 @@ pub const ELECTRICAL_ANGLE: Bound =
     Bound { quantity: "electrical angle [rad]", within: Absolute(4e-4), ..AXIS_ANGLE };
 pub const ELECTRICAL_SPEED: Bound =
     Bound::new("electrical speed [rad/s]", None, Relative(1e-6), CLOSED, "rounding in f32");
+pub const NODE_TRAJECTORY: Bound = Bound::new(
+    "temperature, largest difference [K]",
+    None,
+    AtMost(0.02),
+    CLOSED,
+    "first order: half of h/τ = 2e-3, times 1/e of the rise of 40 K, is 0.0147",
+);
+pub const PAIR_TRAJECTORY: Bound = Bound::new(
+    "temperature of winding and housing, largest difference [K]",
+    None,
+    AtMost(0.02),
+    ADAPTIVE,
+    "first order, h/τ = 1e-3",
+);
 pub const GEAR_TORQUE: Bound =
     Bound::new("torque at the wheel [N·m]", None, Relative(1e-6), CLOSED, "rounding in f32");
 pub const GEAR_BALANCE: Bound =

@@ -1,5 +1,6 @@
 //! No input and no permitted parameter makes a component infinite.
 
+use plant_core::Real;
 use plant_core::auxiliary::{Auxiliary, AuxiliaryInput};
 use plant_core::battery::{Battery, BatteryInput, BatteryState};
 use plant_core::battery::{RcBranch, RcBranchInput, RcBranchState};
@@ -20,6 +21,10 @@ use plant_core::mechanics::wheel::{Wheel, WheelInput};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorParams, AxialSpeedSensorState,
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
+};
+use plant_core::thermal::{
+    ThermalNode, ThermalNodeInput, ThermalNodeParams, ThermalNodeState, ThermalPair,
+    ThermalPairInput, ThermalPairParams, ThermalPairState,
 };
 use proptest::prelude::*;
 
@@ -285,6 +290,37 @@ fn sensors() {
             let a = amps.step(&mut (), CurrentSensorInput { current_a: x });
             let w = speed.step(s, AxialSpeedSensorInput { speed_rad_s: x });
             ((v, a, w), v.rejected && a.rejected && w.rejected)
+        })
+    });
+}
+
+fn thermal_node(d: &mut Draw) -> ThermalNodeParams {
+    ThermalNodeParams {
+        heat_capacity_j_per_k: d.near_or(1000.0, Real::INFINITY),
+        ambient_k_per_w: d.near_or(0.1, Real::INFINITY),
+    }
+}
+
+#[test]
+fn thermal_nodes() {
+    let model = some(PERMITTED, |d| {
+        let (inner, outer) = (thermal_node(d), thermal_node(d));
+        let between_k_per_w = d.near_or(0.05, Real::INFINITY);
+        (ThermalPairParams { inner, outer, between_k_per_w }, d.dt())
+    });
+    let inputs = inputs([signed(2000.0), signed(500.0), signed(50.0)]);
+    check(768, (model, inputs), |((params, dt), inputs)| {
+        let one = ThermalNode::new(params.inner, dt).unwrap();
+        let two: Vec<_> =
+            inputs.iter().map(|[heat_w, _, ambient_c]| [*heat_w, *ambient_c]).collect();
+        keeps(ThermalNodeState::at(20.0), &two, |s, [heat_w, ambient_c]| {
+            let out = one.step(s, ThermalNodeInput { heat_w, ambient_c });
+            (out, out.rejected)
+        })?;
+        let pair = ThermalPair::new(params, dt).unwrap();
+        keeps(ThermalPairState::at(20.0), &inputs, |s, [inner_w, outer_w, ambient_c]| {
+            let out = pair.step(s, ThermalPairInput { inner_w, outer_w, ambient_c });
+            (out, out.rejected)
         })
     });
 }

@@ -27,6 +27,10 @@ use plant_core::signal::sources::{
     AtEnd, Ramp, RampParams, Saturation, SaturationParams, Sine, SineParams, Square, SquareParams,
     Step, StepParams, TimeTable, TimeTableParams, UnitDelay, UnitDelayParams,
 };
+use plant_core::thermal::{
+    Conductor, Derating, DriveLosses, ThermalNode, ThermalNodeParams, ThermalPair,
+    ThermalPairParams,
+};
 use plant_core::{Dt, ParamError, Real, must};
 use proptest::prelude::*;
 
@@ -343,6 +347,53 @@ fn sensors() {
     let speed = SensorParams { gain: NAN, ..sensor };
     let bad = AxialSpeedSensorParams { speed, ..shaft };
     assert_refused(AxialSpeedSensor::new(bad, DT), "gain", &NAN);
+}
+
+#[test]
+fn thermal() {
+    let node = ThermalNodeParams { heat_capacity_j_per_k: 500.0, ambient_k_per_w: 0.1 };
+    refuses!(|p| ThermalNode::new(p, DT), ThermalNodeParams: node, {
+        heat_capacity_j_per_k: LIMIT,
+        ambient_k_per_w: LIMIT,
+    });
+    let pair = ThermalPairParams { inner: node, outer: node, between_k_per_w: 0.2 };
+    refuses!(|p| ThermalPair::new(p, DT), ThermalPairParams: pair, {
+        between_k_per_w: LIMIT,
+    } beside inner, outer);
+    for within in [
+        |node| {
+            ThermalPair::new(
+                ThermalPairParams { inner: node, outer: node, between_k_per_w: 1.0 },
+                DT,
+            )
+        },
+        |outer| {
+            ThermalPair::new(
+                ThermalPairParams { inner: ThermalNodeParams::FIXED, outer, between_k_per_w: 1.0 },
+                DT,
+            )
+        },
+    ] {
+        refuses!(within, ThermalNodeParams: node, {
+            heat_capacity_j_per_k: LIMIT,
+            ambient_k_per_w: LIMIT,
+        });
+    }
+    refuses!(Derating::checked, Derating: Derating { derate_from_c: 100.0, derate_to_c: 150.0 }, {
+        derate_from_c: &[-274.0, NAN, -INF],
+        derate_to_c: &[100.0, 0.0, NAN, -INF],
+    });
+    refuses!(Conductor::checked, Conductor: Conductor::COPPER, {
+        reference_c: &[-101.0, 301.0, NAN, INF],
+        per_k: &[-1e-9, 0.021, NAN, INF],
+    });
+    let losses = DriveLosses::of_dc_machine(0.27, 3e-3, 2.7, 1e-3, 30.0);
+    refuses!(DriveLosses::checked, DriveLosses: losses, {
+        torque_w_per_nm2: NOT_NEGATIVE,
+        torque_w_per_nm: NOT_NEGATIVE,
+        speed_w_s2: NOT_NEGATIVE,
+        constant_w: NOT_NEGATIVE,
+    });
 }
 
 #[test]
