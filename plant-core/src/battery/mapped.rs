@@ -46,16 +46,16 @@ use crate::port::Source;
 pub struct MappedBattery {
     pub(super) params: MappedBatteryParams,
     gains: [Real; 2],
-    soc_per_a: Real,
+    pub(super) soc_per_a: Real,
     a_per_soc: Real,
     pub(super) capacity_c: Real,
-    dt_s: Real,
-    refresh_steps: u32,
+    pub(super) dt_s: Real,
+    pub(super) refresh_steps: u32,
     /// K per J of heat over one refresh, and the share of the difference to the surroundings that
     /// is lost in it.
     warming_k_per_j: Real,
     cooling_gain: Real,
-    ends: Ends,
+    pub(super) ends: Ends,
 }
 
 /// The resistances at an operating point \[Ω\].
@@ -84,13 +84,13 @@ pub struct MappedBatteryState {
     /// absurd is ignored: the last good one holds.
     pub ambient_c: Real,
     /// The last good one \[°C\].
-    surroundings_c: Real,
+    pub(super) surroundings_c: Real,
     /// Heat since the last refresh \[J\].
-    heat_j: Real,
+    pub(super) heat_j: Real,
     /// The resistances since then.
     pub(super) now: Resistances,
     /// The part of the battery that acts as a resistance within one step \[Ω\].
-    source_ohm: Real,
+    pub(super) source_ohm: Real,
     steps_left: u32,
     pub(super) outside: bool,
 }
@@ -226,7 +226,7 @@ impl MappedBattery {
             steps_left: self.refresh_steps,
             outside: false,
         };
-        self.follow(&mut state);
+        self.follow(&mut state, 1.0);
         Ok(state)
     }
 
@@ -258,7 +258,7 @@ impl MappedBattery {
         let taken = is_possible(temperature_c);
         if taken {
             state.temperature_c = Accum::new(temperature_c);
-            self.follow(state);
+            self.follow(state, 1.0);
         }
         taken
     }
@@ -303,6 +303,17 @@ impl MappedBattery {
     #[inline]
     #[must_use]
     pub fn next(&self, state: &MappedBatteryState, current_a: Real) -> MappedBatteryState {
+        self.next_by(state, current_a, current_a * self.soc_per_a)
+    }
+
+    /// The same where the state of charge falls by `soc_drop`: in a cell of another capacity.
+    #[inline(always)]
+    pub(super) fn next_by(
+        &self,
+        state: &MappedBatteryState,
+        current_a: Real,
+        soc_drop: Real,
+    ) -> MappedBatteryState {
         let mut next = *state;
         let mut overpotential_v = state.now.series_ohm * current_a - self.hysteresis_v(state);
         for ((voltage_v, gain), ohm) in
@@ -311,7 +322,6 @@ impl MappedBattery {
             voltage_v.add(gain * (ohm * current_a - voltage_v.get()));
             overpotential_v += voltage_v.get();
         }
-        let soc_drop = current_a * self.soc_per_a;
         next.soc.add(-soc_drop);
         if self.params.hysteresis.half_gap_v > 0.0 {
             let share = self.hysteresis_share(soc_drop);
@@ -401,14 +411,26 @@ impl MappedBattery {
     #[cold]
     #[inline(never)]
     fn warm(&self, state: &mut MappedBatteryState) {
+        Self::look_around(state);
+        let above_k = state.temperature_c.get() - state.surroundings_c;
+        let increment_k = self.warming_k_per_j * state.heat_j - self.cooling_gain * above_k;
+        Self::warm_by(state, increment_k);
+        state.steps_left = self.refresh_steps;
+        self.follow(state, 1.0);
+    }
+
+    /// Takes the temperature of the surroundings, and a temperature where there was none.
+    pub(super) fn look_around(state: &mut MappedBatteryState) {
         if is_possible(state.ambient_c) {
             state.surroundings_c = state.ambient_c;
         }
         if state.temperature_c.get().is_nan() {
             state.temperature_c = Accum::new(state.surroundings_c);
         }
-        let above_k = state.temperature_c.get() - state.surroundings_c;
-        let increment_k = self.warming_k_per_j * state.heat_j - self.cooling_gain * above_k;
+    }
+
+    /// What the heat since the last refresh came to.
+    pub(super) fn warm_by(state: &mut MappedBatteryState, increment_k: Real) {
         // Held where any battery has long burnt: the exponential stays finite.
         let celsius = state.temperature_c.get() + increment_k;
         if is_possible(celsius) {
@@ -417,14 +439,18 @@ impl MappedBattery {
             state.temperature_c = Accum::new(clamp(celsius, COLDEST_C, HOTTEST_C));
         }
         state.heat_j = 0.0;
-        state.steps_left = self.refresh_steps;
-        self.follow(state);
     }
 
-    /// Brings the resistances up to state of charge and temperature.
-    fn follow(&self, state: &mut MappedBatteryState) {
+    /// Brings the resistances up to state of charge and temperature; `ratio` is that of a cell with
+    /// other resistances.
+    pub(super) fn follow(&self, state: &mut MappedBatteryState, ratio: Real) {
         let (soc, celsius) = (state.soc.get(), state.temperature_c.get());
-        state.now = self.resistances(soc, celsius);
+        let Resistances { series_ohm, polarisation_ohm: [fast, slow] } =
+            self.resistances(soc, celsius);
+        state.now = Resistances {
+            series_ohm: ratio * series_ohm,
+            polarisation_ohm: [ratio * fast, ratio * slow],
+        };
         let [fast, slow] = state.now.polarisation_ohm;
         state.source_ohm = state.now.series_ohm + self.gains[0] * fast + self.gains[1] * slow;
         // Held at an end of what is possible, it is no temperature that parameters are known for.

@@ -11,6 +11,7 @@
 //! Tests: `tests` below; properties `charge`, `finite`, `monotony`, `refusal`; order of convergence
 //! in `tests/tests/order.rs`; case "battery".
 
+mod cells;
 mod limits;
 mod map;
 mod mapped;

@@ -43,12 +43,16 @@ impl<const N: usize> Chain<N> {
         Self { inverse, pass, ambient_w_per_k, next_w_per_k }
     }
 
-    /// What flows from each node to the surroundings at `ambient_c`, and to the next node \[W\].
+    /// What flows from each node to its surroundings, and to the next node \[W\].
     #[inline]
-    pub(crate) fn flows_w(&self, celsius: &[Real; N], ambient_c: Real) -> ([Real; N], [Real; N]) {
+    pub(crate) fn flows_w(
+        &self,
+        celsius: &[Real; N],
+        ambient_c: &[Real; N],
+    ) -> ([Real; N], [Real; N]) {
         let (mut out, mut on) = ([0.0; N], [0.0; N]);
         for i in 0..N {
-            out[i] = self.ambient_w_per_k[i] * (celsius[i] - ambient_c);
+            out[i] = self.ambient_w_per_k[i] * (celsius[i] - ambient_c[i]);
             if i + 1 < N {
                 on[i] = self.next_w_per_k[i] * (celsius[i] - celsius[i + 1]);
             }
@@ -61,7 +65,7 @@ impl<const N: usize> Chain<N> {
     pub(crate) fn increments_k(
         &self,
         celsius: &[Real; N],
-        ambient_c: Real,
+        ambient_c: &[Real; N],
         heat_w: &[Real; N],
     ) -> [Real; N] {
         let (out, on) = self.flows_w(celsius, ambient_c);

@@ -107,7 +107,7 @@ impl ThermalNode {
     #[inline]
     pub fn step(&self, state: &mut ThermalNodeState, input: ThermalNodeInput) -> ThermalNodeOutput {
         let before = [state.temperature_c.get()];
-        let [increment_k] = self.chain.increments_k(&before, input.ambient_c, &[input.heat_w]);
+        let [increment_k] = self.chain.increments_k(&before, &[input.ambient_c], &[input.heat_w]);
         let rejected =
             !(sane(input.heat_w) && sane(input.ambient_c) && sane(before[0] + increment_k));
         if rejected {
@@ -115,7 +115,7 @@ impl ThermalNode {
         }
         state.temperature_c.add(increment_k);
         let temperature_c = state.temperature_c.get();
-        let ([cooling_w], _) = self.chain.flows_w(&[temperature_c], input.ambient_c);
+        let ([cooling_w], _) = self.chain.flows_w(&[temperature_c], &[input.ambient_c]);
         ThermalNodeOutput { temperature_c, cooling_w, rejected }
     }
 }
@@ -242,7 +242,7 @@ impl ThermalPair {
     pub fn step(&self, state: &mut ThermalPairState, input: ThermalPairInput) -> ThermalPairOutput {
         let before = [state.inner_c.get(), state.outer_c.get()];
         let heat_w = [input.inner_w, input.outer_w];
-        let [inner_k, outer_k] = self.chain.increments_k(&before, input.ambient_c, &heat_w);
+        let [inner_k, outer_k] = self.chain.increments_k(&before, &[input.ambient_c; 2], &heat_w);
         let rejected = !(sane(input.inner_w)
             && sane(input.outer_w)
             && sane(input.ambient_c)
@@ -261,7 +261,8 @@ impl ThermalPair {
             rejected,
         };
         if !rejected {
-            let ([inner_w, outer_w], [between_w, _]) = self.chain.flows_w(&now, input.ambient_c);
+            let ([inner_w, outer_w], [between_w, _]) =
+                self.chain.flows_w(&now, &[input.ambient_c; 2]);
             (out.between_w, out.cooling_w) = (between_w, inner_w + outer_w);
         }
         out

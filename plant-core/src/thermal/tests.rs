@@ -106,7 +106,7 @@ fn a_temperature_may_be_held() {
 fn a_chain_of_light_nodes_is_a_divider() {
     let chain = Chain::<5>::new([1e12, 1e-9, 1e-9, 1e-9, 1e12], [0.0; 5], [4.0; 5]);
     let celsius = [100.0, 0.0, 0.0, 0.0, 20.0];
-    let increments = chain.increments_k(&celsius, 0.0, &[0.0; 5]);
+    let increments = chain.increments_k(&celsius, &[0.0; 5], &[0.0; 5]);
     for (i, wanted) in [(1, 80.0), (2, 60.0), (3, 40.0)] {
         assert!((increments[i] - wanted).abs() < 1e-3, "{increments:?}");
     }
