@@ -22,7 +22,7 @@
 //! | [`num`], [`error`], [`model`] | the scalar [`Real`], compensated sums, lookup table, the only calls to `libm`; why a parameter set is refused ([`must!`] turns that into a compile error); the trait every model shares and the fixed step [`Dt`] |
 //! | [`port`] | what components say to each other within a step |
 //! | [`thermal`] | lumped thermal nodes; derating, resistance over temperature, the losses of a drive |
-//! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature |
+//! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature; cells in series |
 //! | [`auxiliary`] | what else draws from the battery |
 //! | [`converter`] | averaged four-quadrant converter |
 //! | [`machine`] | electric machines: [`dc`](machine::dc), [`pmsm`](machine::pmsm) with its [`flux`](machine::flux); three phases as one vector: [`transform`](machine::transform) |

@@ -433,6 +433,27 @@ pub const PAIR_TRAJECTORY: Bound = Bound::new(
     ADAPTIVE,
     "first order, h/τ = 1e-3",
 );
+pub const ROW_SOC: Bound = Bound::new(
+    "SOC of a cell, largest difference",
+    None,
+    AtMost(2e-6),
+    ADAPTIVE,
+    "rounding in f32; what a cell loses by itself is booked each second, 20 mA · 1 s of 3 A·h",
+);
+pub const ROW_TEMPERATURE: Bound = Bound::new(
+    "temperature of a cell, largest difference [K]",
+    None,
+    AtMost(0.05),
+    ADAPTIVE,
+    "first order in the refresh of 1 s, τ of some 300 s",
+);
+pub const ROW_VOLTAGE: Bound = Bound::new(
+    "voltage of 96 like cells less that of the pack as one, largest difference [V]",
+    None,
+    AtMost(1e-3),
+    CLOSED,
+    "rounding in f32: 96 sums at 350 V",
+);
 pub const GEAR_TORQUE: Bound =
     Bound::new("torque at the wheel [N·m]", None, Relative(1e-6), CLOSED, "rounding in f32");
 pub const GEAR_BALANCE: Bound =

@@ -211,7 +211,7 @@ mod tests {
         let thermal =
             ThermalParams { heat_capacity_j_per_k: 45.0, cooling_w_per_k: 0.2, ambient_c: 10.0 };
         let hysteresis = HysteresisParams { half_gap_v: 0.02, rate_per_soc: 50.0 };
-        let params = MappedBatteryParams { thermal, hysteresis, ..PANASONIC_NCR18650PF };
+        let params = MappedBatteryParams { hysteresis, thermal, ..PANASONIC_NCR18650PF };
         let cell = MappedBattery::new(params, DT).unwrap();
         let pack = MappedBattery::new(params.pack(96, 30).unwrap(), DT).unwrap();
         let (mut c, mut p) = (cell.rested(0.9).unwrap(), pack.rested(0.9).unwrap());

@@ -194,8 +194,15 @@ impl Ends {
         let faded = self.faded(soc);
         current_a <= faded.discharge_a
             && -least_a <= faded.charge_a
-            && (current_a <= 0.0 || terminal_v >= self.voltage.lowest_v)
-            && (least_a >= 0.0 || least_v <= self.voltage.highest_v)
+            && self.keep(current_a, terminal_v)
+            && self.keep(least_a, least_v)
+    }
+
+    /// Whether a current keeps the voltage that it may lead to.
+    #[inline]
+    pub(super) const fn keep(&self, current_a: Real, terminal_v: Real) -> bool {
+        (current_a <= 0.0 || terminal_v >= self.voltage.lowest_v)
+            && (current_a >= 0.0 || terminal_v <= self.voltage.highest_v)
     }
 }
 

@@ -8,6 +8,10 @@
 //! Tests: `tests` below; property `mapped`; cases "battery with maps", "UDDS, bmw-i3-60ah with its
 //! battery map".
 
+mod state;
+
+pub use state::{MappedBatteryInput, MappedBatteryOutput, MappedBatteryState, Resistances};
+
 use super::limits::Ends;
 use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, is_possible, temperature};
 use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
@@ -58,90 +62,6 @@ pub struct MappedBattery {
     pub(super) ends: Ends,
 }
 
-/// The resistances at an operating point \[Ω\].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Resistances {
-    /// In series.
-    pub series_ohm: Real,
-    /// Of the RC branches, the faster first.
-    pub polarisation_ohm: [Real; 2],
-}
-
-/// The state of a [`MappedBattery`]; [`MappedBattery::rested`] makes one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct MappedBatteryState {
-    /// State of charge, 0..1. May be set from an estimate; what lies outside is held at the end.
-    pub soc: Accum,
-    /// Voltage across the RC branches, positive when discharging \[V\].
-    pub polarisation_v: [Accum; 2],
-    /// Where between the curves of discharge (−1) and charge (1) the open-circuit voltage lies.
-    pub hysteresis: Accum,
-    /// Temperature \[°C\]; may be set between steps where it is measured.
-    pub temperature_c: Accum,
-    /// Temperature of the surroundings \[°C\]; may be set between steps. One that is not finite or
-    /// absurd is ignored: the last good one holds.
-    pub ambient_c: Real,
-    /// The last good one \[°C\].
-    pub(super) surroundings_c: Real,
-    /// Heat since the last refresh \[J\].
-    pub(super) heat_j: Real,
-    /// The resistances since then.
-    pub(super) now: Resistances,
-    /// The part of the battery that acts as a resistance within one step \[Ω\].
-    pub(super) source_ohm: Real,
-    steps_left: u32,
-    pub(super) outside: bool,
-}
-
-impl MappedBatteryState {
-    /// The sum of the magnitudes of what a step changes beside the state of charge.
-    #[inline]
-    pub(super) const fn magnitude(&self) -> Real {
-        let [fast_v, slow_v] = &self.polarisation_v;
-        fast_v.get().abs() + slow_v.get().abs() + self.heat_j.abs()
-    }
-}
-
-/// Input of a [`MappedBattery`] that steps on its own: the current imposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MappedBatteryInput {
-    /// Current \[A\], positive when discharging.
-    pub current_a: Real,
-}
-
-/// Output of one step of a [`MappedBattery`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
-pub struct MappedBatteryOutput {
-    /// State of charge, 0..1.
-    pub soc: Real,
-    /// Voltage at the terminals \[V\].
-    pub terminal_v: Real,
-    /// Open-circuit voltage over the step, without hysteresis \[V\].
-    pub open_circuit_v: Real,
-    /// The current that flowed \[A\], positive when discharging.
-    pub current_a: Real,
-    /// Charge of this step that the limits or the state of charge refused \[C\]; positive where
-    /// discharge was refused, negative where charge was.
-    pub refused_charge_c: Real,
-    /// Heat, `(OCV − V)·I` \[W\]; it includes what the RC branches store for a while.
-    pub heat_w: Real,
-    /// Temperature \[°C\].
-    pub temperature_c: Real,
-    /// Nothing is left to discharge.
-    pub depleted: bool,
-    /// Nothing more can be charged.
-    pub full: bool,
-    /// State of charge or temperature lie outside what the parameters were identified for: those
-    /// of the nearest end hold.
-    pub outside_identified: bool,
-    /// The input was not finite or absurd; the state is unchanged.
-    pub rejected: bool,
-}
-
 impl MappedBattery {
     /// Checks `params` and discretises them for steps of `dt`.
     ///
@@ -157,11 +77,7 @@ impl MappedBattery {
             reason = "held in 1..2^31 first"
         )]
         let refresh_steps = clamp(steps + 0.5, 1.0, 2_147_483_648.0) as u32;
-        #[cfg_attr(
-            not(feature = "twin-f64"),
-            expect(clippy::cast_precision_loss, reason = "a length of time")
-        )]
-        let refresh_s = refresh_steps as Real * dt.s();
+        let refresh_s = length_s(refresh_steps, dt.s());
         let capacity_j_per_k = params.thermal.heat_capacity_j_per_k;
         let cooling_gain = gain(refresh_s / capacity_j_per_k * params.thermal.cooling_w_per_k);
         let mut limited = params;
@@ -228,6 +144,11 @@ impl MappedBattery {
         };
         self.follow(&mut state, 1.0);
         Ok(state)
+    }
+
+    /// How often resistances and temperature follow, a whole number of steps \[s\].
+    pub(super) const fn refresh_s(&self) -> Real {
+        length_s(self.refresh_steps, self.dt_s)
     }
 
     /// Its parameters.
@@ -500,6 +421,14 @@ impl MappedBattery {
             rejected,
         }
     }
+}
+
+#[cfg_attr(
+    not(feature = "twin-f64"),
+    expect(clippy::cast_precision_loss, reason = "a length of time")
+)]
+const fn length_s(steps: u32, dt_s: Real) -> Real {
+    steps as Real * dt_s
 }
 
 /// The gain of an implicit lag; 1 where the quotient overflows.

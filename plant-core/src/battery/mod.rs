@@ -5,8 +5,8 @@
 //! `dSOC/dt = −I/(3600·Q)`, `C·dV_rc/dt = I − V_rc/R_p`, `V = V_oc(SOC) − R_s·I − V_rc`.
 //!
 //! [`MappedBattery`] has parameters over state of charge and temperature, a second branch,
-//! hysteresis and a thermal node. Either can sit in the coupled plant, which asks of it what
-//! [`Pack`] says.
+//! hysteresis and a thermal node. [`SeriesPack`] is a row of these that are not alike. Each can sit in
+//! the coupled plant, which asks of it what [`Pack`] says.
 //!
 //! Tests: `tests` below; properties `charge`, `finite`, `monotony`, `refusal`; order of convergence
 //! in `tests/tests/order.rs`; case "battery".
@@ -18,6 +18,7 @@ mod mapped;
 mod open_circuit;
 mod pack;
 mod rc;
+mod series_pack;
 
 pub use limits::{CurrentLimits, VoltageLimits};
 pub use map::{
@@ -30,6 +31,9 @@ pub use mapped::{
 pub use open_circuit::OpenCircuit;
 pub use pack::{Losses, Pack};
 pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchState};
+pub use series_pack::{
+    CellSpread, SeriesPack, SeriesPackInput, SeriesPackOutput, SeriesPackParams, SeriesPackState,
+};
 
 use crate::error::{ParamError, check, limit, positive, ratio};
 use crate::model::{Dt, impl_model};

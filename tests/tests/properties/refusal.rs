@@ -2,8 +2,8 @@
 
 use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
 use plant_core::battery::{
-    Battery, BatteryParams, MappedBattery, MappedBatteryParams, OpenCircuit, RcBranch,
-    RcBranchParams, VoltageLimits,
+    Battery, BatteryParams, CellSpread, MappedBattery, MappedBatteryParams, OpenCircuit, RcBranch,
+    RcBranchParams, SeriesPack, SeriesPackParams, VoltageLimits,
 };
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::foc::{Foc, FocParams};
@@ -138,6 +138,33 @@ fn voltage_limits() {
         highest_v: &[300.0, NAN],
     });
     assert!(make(VoltageLimits::NONE).is_ok());
+}
+
+#[test]
+fn cells_in_series() {
+    let cell = MappedBatteryParams::constant(PLANT.battery);
+    let good = SeriesPackParams { cell, spread: [CellSpread::NONE; 2], neighbour_w_per_k: 0.1 };
+    let make = |params: SeriesPackParams<2>| SeriesPack::new(params, DT);
+    refuses!(make, SeriesPackParams: good, {
+        neighbour_w_per_k: NOT_NEGATIVE,
+    } beside cell, spread);
+    for i in 0..2 {
+        let within = |one: CellSpread| {
+            let mut params = good;
+            params.spread[i] = one;
+            make(params)
+        };
+        refuses!(within, CellSpread: CellSpread::NONE, {
+            capacity_ratio: &[0.0, 0.009, 101.0, NAN, INF, -INF],
+            resistance_ratio: &[0.0, 0.009, 101.0, NAN, INF, -INF],
+            cooling_ratio: &[-1e-9, 101.0, NAN, INF, -INF],
+            self_discharge_a: NOT_NEGATIVE,
+            soc_offset: &[-1.001, 1.001, NAN, INF, -INF],
+            temperature_offset_k: &[-101.0, 101.0, NAN, INF, -INF],
+        });
+    }
+    let bad = MappedBatteryParams { capacity_ah: NAN, ..cell };
+    assert_refused(make(SeriesPackParams { cell: bad, ..good }), "capacity_ah", &NAN);
 }
 
 #[test]
