@@ -14,12 +14,17 @@ use plant_core::machine::flux::{Flux, LinearFlux};
 use plant_core::machine::pmsm::{Pmsm, PmsmParams};
 use plant_core::mechanics::body::{Body, BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxParams};
-use plant_core::mechanics::rotational::{RotationalLoad, RotationalLoadParams};
+use plant_core::mechanics::rotational::{
+    RotAxis, RotAxisParams, RotationalLoad, RotationalLoadParams,
+};
 use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
 use plant_core::powertrain::{Powertrain, PowertrainParams};
 use plant_core::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
+use plant_core::signal::faults::{
+    Drift, DriftParams, Lapse, LapseKind, LapseParams, Noise, NoiseParams,
+};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
 };
@@ -224,6 +229,9 @@ fn motor_and_what_turns() {
         inertia_kg_m2: NOT_NEGATIVE,
         viscous_nm_s_per_rad: NOT_NEGATIVE,
     });
+    refuses!(|p| RotAxis::new(p, DT), RotAxisParams: RotAxisParams { inertia_kg_m2: 0.1 }, {
+        inertia_kg_m2: POSITIVE,
+    });
     let load =
         RotationalLoadParams { inertia_kg_m2: 1.0, viscous_nm_s_per_rad: 0.1, coulomb_nm: 0.1 };
     refuses!(|p| RotationalLoad::new(p, DT), RotationalLoadParams: load, {
@@ -374,6 +382,27 @@ fn sensors() {
     let speed = SensorParams { gain: NAN, ..sensor };
     let bad = AxialSpeedSensorParams { speed, ..shaft };
     assert_refused(AxialSpeedSensor::new(bad, DT), "gain", &NAN);
+}
+
+#[test]
+fn sensor_faults() {
+    let make = |NoiseParams { sd, seed }| Noise::new(NoiseParams { sd, seed });
+    refuses!(make, NoiseParams: NoiseParams { sd: 0.1, seed: 1 }, { sd: NOT_NEGATIVE } beside seed);
+    refuses!(|p| Drift::new(p, DT), DriftParams: DriftParams { per_s: 0.1, largest: 1.0 }, {
+        per_s: FINITE,
+        largest: NOT_NEGATIVE,
+    });
+    let kind = LapseKind::Stuck;
+    let lapse = LapseParams { kind, from_s: 1.0, chance: 0.1, length_s: 1.0, seed: 1 };
+    refuses!(|p| Lapse::new(p, DT), LapseParams: lapse, {
+        from_s: NOT_NEGATIVE,
+        chance: RATIO,
+        length_s: LIMIT,
+    } beside kind, seed);
+    for bad in [1e10, -1e13, NAN, INF] {
+        let open = LapseParams { kind: LapseKind::OpenWire(bad), ..lapse };
+        assert_refused(Lapse::new(open, DT), "open_wire", &bad);
+    }
 }
 
 #[test]
