@@ -4,7 +4,7 @@
 //! Each takes a value and gives one, so they stand one after the other, before or behind a sensor of
 //! [`sensors`](super::sensors) and its quantum. What is random comes from a seed in the parameters:
 //! the same run gives the same bits on every machine. They are ours; the generator is PCG32
-//! \[Oneill2014\], the normal distribution by \[Box1958\].
+//! \[Oneill2014\], the normal distribution by \[BoxMuller1958\].
 //!
 //! Tests: below; properties `finite`, `refusal`; case "sensor faults".
 //!

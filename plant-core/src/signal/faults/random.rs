@@ -52,7 +52,7 @@ impl Random {
     }
 
     /// The next number of a normal distribution with mean 0 and standard deviation 1
-    /// \[Box1958\], within ±5.8.
+    /// \[BoxMuller1958\], within ±5.8.
     #[inline]
     pub fn normal(&mut self) -> Real {
         // Never zero, so that its logarithm is finite.
