@@ -189,11 +189,16 @@ impl MappedBattery {
     #[must_use]
     pub fn offer(&self, state: &MappedBatteryState) -> (Source, Real) {
         let open_circuit_v = self.params.open_circuit.at(state.soc.get());
-        let [fast_v, slow_v] = state.polarisation_v;
-        let held_v = (fast_v.get() - self.gains[0] * fast_v.get())
-            + (slow_v.get() - self.gains[1] * slow_v.get());
-        let emf_v = open_circuit_v + self.hysteresis_v(state) - held_v;
+        let emf_v = open_circuit_v + self.hysteresis_v(state) - self.held_v(state);
         (Source { emf_v, resistance_ohm: state.source_ohm }, open_circuit_v)
+    }
+
+    /// What the branches hold after a step without current \[V\].
+    #[inline]
+    const fn held_v(&self, state: &MappedBatteryState) -> Real {
+        let [fast_v, slow_v] = &state.polarisation_v;
+        (fast_v.get() - self.gains[0] * fast_v.get())
+            + (slow_v.get() - self.gains[1] * slow_v.get())
     }
 
     /// What hysteresis adds to the open-circuit voltage \[V\].
@@ -206,18 +211,25 @@ impl MappedBattery {
     #[inline]
     #[must_use]
     pub fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
-        self.limits_of(state, || self.offer(state).0)
-    }
-
-    /// The same, where what the terminals offer may be known already.
-    #[inline(always)]
-    fn limits_of(&self, state: &MappedBatteryState, source: impl Fn() -> Source) -> CurrentLimits {
         let soc = state.soc.get();
         let limits = CurrentLimits {
             discharge_a: min(self.params.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
             charge_a: min(self.params.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
         };
-        if self.ends.cut_off() { limits.within(self.ends.at_voltages(source())) } else { limits }
+        if self.ends.cut_off() {
+            let held_v = self.held_v(state) - self.hysteresis_v(state);
+            limits.within(self.at_voltages(soc, held_v, state.source_ohm))
+        } else {
+            limits
+        }
+    }
+
+    /// What the voltages leave where the branches hold `held_v` without current.
+    #[cold]
+    #[inline(never)]
+    fn at_voltages(&self, soc: Real, held_v: Real, resistance_ohm: Real) -> CurrentLimits {
+        let emf_v = self.params.open_circuit.at(soc) - held_v;
+        self.ends.at_voltages(Source { emf_v, resistance_ohm })
     }
 
     /// The state after one step under `current_a`, whatever the limits say.
@@ -270,9 +282,10 @@ impl MappedBattery {
             && least_a >= -self.params.charge_limit_a
             && (self.ends.are_far(next.soc.get()) || {
                 let [fast_v, slow_v] = next.polarisation_v;
-                let drop_v = next.now.series_ohm * current_a + (fast_v.get() + slow_v.get());
+                let branches_ohm = next.source_ohm - next.now.series_ohm;
+                let held_v = fast_v.get() + slow_v.get() - branches_ohm * current_a;
                 let (soc, hysteresis) = (next.soc.get(), next.hysteresis.get());
-                self.ends_allow(current_a, least_a, soc, hysteresis, drop_v, next.source_ohm)
+                self.ends_allow(current_a, least_a, soc, hysteresis, held_v, next.source_ohm)
             })
     }
 
@@ -285,7 +298,7 @@ impl MappedBattery {
         least_a: Real,
         next_soc: Real,
         next_hysteresis: Real,
-        drop_v: Real,
+        held_v: Real,
         source_ohm: Real,
     ) -> bool {
         if self.ends.are_near(next_soc) {
@@ -293,15 +306,16 @@ impl MappedBattery {
         }
         let soc_drop = current_a * self.soc_per_a;
         let soc = next_soc + soc_drop;
-        // Hysteresis acts as it was before the step; where it may have been anything, the answer is
-        // no, and the limits themselves are looked at.
-        let share = self.hysteresis_share(soc_drop);
-        let hysteresis = (next_hysteresis + share * sign(current_a)) / (1.0 - share);
-        let terminal_v = self.params.open_circuit.at(soc)
-            + self.params.hysteresis.half_gap_v * hysteresis
-            - drop_v;
-        let least_v = terminal_v + source_ohm * (current_a - least_a);
-        self.ends.allow(soc, (current_a, terminal_v), (least_a, least_v))
+        let mut limits = self.ends.faded(soc);
+        if self.ends.cut_off() {
+            // Hysteresis acts as it was before the step; where it may have been anything, the answer
+            // is no, and the limits themselves are looked at.
+            let share = self.hysteresis_share(soc_drop);
+            let hysteresis = (next_hysteresis + share * sign(current_a)) / (1.0 - share);
+            let held_v = held_v - self.params.hysteresis.half_gap_v * hysteresis;
+            limits = limits.within(self.at_voltages(soc, held_v, source_ohm));
+        }
+        current_a <= limits.discharge_a && -least_a <= limits.charge_a
     }
 
     /// How far a change of the state of charge moves the hysteresis.
@@ -394,7 +408,7 @@ impl MappedBattery {
         input: MappedBatteryInput,
     ) -> MappedBatteryOutput {
         let (source, open_circuit_v) = self.offer(state);
-        let limits = self.limits_of(state, || source);
+        let limits = self.limits(state);
         let mut wanted_a = input.current_a;
         let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
         let mut next = *state;

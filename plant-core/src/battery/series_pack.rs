@@ -40,7 +40,7 @@ pub struct SeriesPackParams<const N: usize> {
 
 /// `N` cells in series that are not alike, discretised for one step.
 ///
-/// It can sit in the coupled plant ([`Pack`]) or step on its own. Bleed currents are an input of each
+/// It can sit in the coupled plant ([`Pack`](super::Pack)) or step on its own. Bleed currents are an input of each
 /// step; in the plant they stand in the state.
 ///
 /// ```
@@ -254,19 +254,22 @@ impl<const N: usize> SeriesPack<N> {
         let params = self.cell.params();
         let mut allowed = true;
         for (i, cell) in next.cells.iter().enumerate() {
-            let (soc, bleed_a) = (next.cells[i].soc.get(), self.bleed_a(next, i));
+            let (soc, bleed_a) = (cell.soc.get(), self.bleed_a(next, i));
             let (most_a, least_a) = (current_a + bleed_a, least_a + bleed_a);
-            let least_v = next.terminal_v[i] + cell.source_ohm * (most_a - least_a);
-            let ends = CurrentLimits {
+            let mut limits = CurrentLimits {
                 discharge_a: params.discharge_limit_a,
                 charge_a: params.charge_limit_a,
             }
             .within(self.faded_cell(i, soc));
-            allowed &= most_a <= ends.discharge_a
-                && -least_a <= ends.charge_a
-                && !self.cell.ends.are_near(soc)
-                && self.cell.ends.keep(most_a, next.terminal_v[i])
-                && self.cell.ends.keep(least_a, least_v);
+            if self.cell.ends.cut_off() {
+                let resistance_ohm = cell.source_ohm;
+                let emf_v = next.terminal_v[i] + resistance_ohm * most_a;
+                let source = Source { emf_v, resistance_ohm };
+                limits = limits.within(self.cell.ends.at_voltages(source));
+            }
+            allowed &= most_a <= limits.discharge_a
+                && -least_a <= limits.charge_a
+                && !self.cell.ends.are_near(soc);
         }
         allowed
     }
