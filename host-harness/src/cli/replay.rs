@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use anyhow::bail;
 use clap::Args;
 
-use crate::read::{input, vehicle};
+use crate::read::input::{self, Drive};
+use crate::read::vehicle;
 use crate::show::progress::Bar;
 use crate::show::{self, files, sheet, summary, trace};
 use crate::simulate::mode::Mode;
@@ -48,6 +50,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     let options = Options { mode, dt_s: super::step_s(dt_ms)?, ledger: !no_ledger };
     let vehicle = vehicle::load(&vehicle)?;
     let drive = input::drive(&input)?;
+    if let (Drive::Cycle(cycle), Mode::Battery) = (&drive, mode) {
+        bail!(
+            "`{}` is a driving cycle and has no measured current: --mode battery needs a trip",
+            cycle.name
+        );
+    }
     let replay = replay::replay(&vehicle, drive, options, &Bar::new(SHOW_PROGRESS_AFTER))?;
     let folder = write(&replay, out)?;
     super::print(&if json {

@@ -116,4 +116,33 @@ mod tests {
             assert!(text.contains(line), "{text}");
         }
     }
+
+    #[test]
+    fn a_row_says_target_tolerance_and_verdict() {
+        let row = |target, tolerance, pass| {
+            let check = Check {
+                target,
+                tolerance,
+                obtained: Some(1.5),
+                ..Check::without("case", "figure", pass, String::new())
+            };
+            let report = ValidationReport {
+                cases: vec![check],
+                covered: Vec::new(),
+                passed: 1,
+                failed: 0,
+                skipped: 0,
+                wall_s: 0.0,
+            };
+            let text = render(&report);
+            text.lines().find(|line| line.contains("figure")).unwrap().to_owned()
+        };
+        for (row, words) in [
+            (row(Some(1.25), Some(0.5), Some(true)), ["1.25000", "± 0.50000", "pass"]),
+            (row(None, Some(2.0), Some(true)), ["1.50000", "≤ 2.00000", "pass"]),
+            (row(None, None, None), ["", "1.50000", "shown"]),
+        ] {
+            assert!(words.iter().all(|word| row.contains(word)), "{row}");
+        }
+    }
 }

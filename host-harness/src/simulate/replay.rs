@@ -51,7 +51,7 @@ pub fn replay(
     match (drive, options.mode) {
         (Drive::Cycle(cycle), Mode::Vehicle) => of_cycle(vehicle, &cycle, options, progress),
         (Drive::Cycle(cycle), Mode::Battery) => bail!(
-            "`{}` is a driving cycle and has no measured current: --mode battery needs a trip",
+            "`{}` is a driving cycle and has no measured current: the battery alone needs a trip",
             cycle.name
         ),
         (Drive::Trip(trip), _) => of_trip(vehicle.clone(), *trip, options, progress),

@@ -118,6 +118,7 @@ pub struct Battery {
     discharge_limit_a: Real,
     charge_limit_a: Real,
     ends: Ends,
+    may_collapse: bool,
 }
 
 /// The state of a [`Battery`].
@@ -191,10 +192,15 @@ impl Battery {
             charge_a: check!(limit("battery.charge_limit_a", params.charge_limit_a)),
         };
         let limits = limits.within(CurrentLimits { discharge_a: LARGEST, charge_a: LARGEST });
+        let open_circuit = check!(params.open_circuit.checked());
+        let source_resistance_ohm = series_resistance_ohm + rc.implicit_ohm();
         Ok(Self {
-            open_circuit: check!(params.open_circuit.checked()),
+            // At half of the voltage; a polarised battery has less.
+            may_collapse: limits.discharge_a * source_resistance_ohm
+                > 0.4 * open_circuit.lowest_v(),
+            open_circuit,
             series_resistance_ohm,
-            source_resistance_ohm: series_resistance_ohm + rc.implicit_ohm(),
+            source_resistance_ohm,
             rc,
             soc_per_a: dt.s() / capacity_c,
             a_per_soc: capacity_c / dt.s(),

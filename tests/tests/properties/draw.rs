@@ -16,7 +16,7 @@ use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::{LARGEST_PARAM, SMALLEST_PARAM, SocTable};
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 
@@ -283,9 +283,7 @@ pub fn plant(d: &mut Draw) -> PowertrainParams {
     PowertrainParams {
         battery: battery(d),
         auxiliary: auxiliary(d),
-        converter: converter(d),
-        motor: motor(d),
-        gearbox: gearbox(d),
+        drives: DriveParams { converter: converter(d), ..DriveParams::new(motor(d), gearbox(d)) },
         wheel: wheel(d),
         body: body(d),
     }

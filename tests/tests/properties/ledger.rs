@@ -3,7 +3,7 @@
 use plant_core::Real;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::BatteryParams;
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive, signed};
@@ -70,7 +70,8 @@ fn finite_plant(d: &mut Draw) -> PowertrainParams {
     };
     let resistance_ohm = auxiliary.resistance_ohm.min(1e9);
     let auxiliary = AuxiliaryParams { resistance_ohm, ..auxiliary };
-    PowertrainParams { battery, auxiliary, motor, ..plant }
+    let drives = DriveParams { motor, ..plant.drives };
+    PowertrainParams { battery, auxiliary, drives, ..plant }
 }
 
 /// The residual of a drive and what it is measured against \[J\], with one crate's scalar or the
@@ -80,7 +81,7 @@ macro_rules! residual_and_turnover {
     ($core:ident, $real:ty, $params:expr, $case:expr) => {{
         let case: &Drive = $case;
         let dt = $core::Dt::from_s(<$real>::from(case.dt_s)).unwrap();
-        let plant = $core::powertrain::Powertrain::with_ledger($params, dt).unwrap();
+        let plant = $core::powertrain::Powertrain::new($params, dt).unwrap().with_ledger();
         let start = plant.at_speed(0.6, case.speed_m_s.into()).unwrap();
         let mut s = start;
         for stretch in &case.stretches {

@@ -39,8 +39,8 @@ fn drive_for(
         let out = plant.step(&mut s, PowertrainInput { road, ..PowertrainInput::on(command.duty) });
         assert!(!out.rejected && !command.rejected);
         seen = Feedback::from(&out);
-        drive.most_nm = drive.most_nm.max(out.motor_nm);
-        drive.least_nm = drive.least_nm.min(out.motor_nm);
+        drive.most_nm = drive.most_nm.max(out.drives.motor_nm);
+        drive.least_nm = drive.least_nm.min(out.drives.motor_nm);
         if drive.to_100_s == 0.0 && out.speed_m_s > 27.78 {
             drive.to_100_s = t;
         }
