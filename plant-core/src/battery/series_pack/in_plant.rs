@@ -39,6 +39,10 @@ impl<const N: usize> Pack for SeriesPack<N> {
         Self::allows(self, current_a, least_a, next)
     }
 
+    fn may_collapse(&self) -> bool {
+        true
+    }
+
     fn settle(&self, state: &mut Self::State, current_a: Real) -> Real {
         Self::settle(self, state, current_a)
     }
