@@ -110,3 +110,50 @@ proptest! {
         }
     }
 }
+
+/// A car on a row of cells that are not alike: the books close, what a cell lacks limits the pack, and
+/// like cells drive it as the pack that is made of them.
+#[test]
+fn drives_a_vehicle() {
+    use plant_core::battery::{CellSpread, MappedBattery, Pack, SeriesPack, SeriesPackParams};
+    use plant_core::powertrain::{Powertrain, PowertrainInput};
+    use plant_core::presets::{BMW_I3_60AH, PANASONIC_NCR18650PF};
+    let dt = plant_core::Dt::from_s(0.01).unwrap();
+    let cell = PANASONIC_NCR18650PF.pack(1, 20).unwrap();
+    let mut spread = [CellSpread::NONE; 96];
+    let row = |spread| SeriesPackParams { cell, spread, neighbour_w_per_k: 1.0 };
+    let alike = SeriesPack::new(row(spread), dt).unwrap();
+    spread[40].soc_offset = -0.3;
+    spread[7].resistance_ratio = 2.0;
+    let unlike = SeriesPack::new(row(spread), dt).unwrap();
+    let whole = MappedBattery::new(cell.pack(96, 1).unwrap(), dt).unwrap();
+    let i3 = BMW_I3_60AH.powertrain;
+    let axles = i3.drives.on(i3.wheel, dt).unwrap();
+    let duties = [0.3_f32, 0.5, 0.2, 0.0, 0.6];
+
+    let car = Powertrain::of(alike, axles, &i3, dt).unwrap();
+    let other = Powertrain::of(whole, axles, &i3, dt).unwrap();
+    let (mut s, mut o) = (car.at_rest(0.6).unwrap(), other.at_rest(0.6).unwrap());
+    for k in 0..3000 {
+        let input = PowertrainInput::on(duties[k / 600]);
+        let (one, two) = (car.step(&mut s, input), other.step(&mut o, input));
+        assert!((one.battery_v - two.battery_v).abs() < 0.01, "{k}: {one:?} {two:?}");
+        assert!((one.speed_m_s - two.speed_m_s).abs() < 1e-3, "{k}: {one:?} {two:?}");
+    }
+
+    let car = Powertrain::of(unlike, axles, &i3, dt).unwrap().with_ledger();
+    let start = car.at_rest(0.301).unwrap();
+    let (mut s, mut limited) = (start, false);
+    for k in 0..3000 {
+        let faded = car.battery().faded(&s.battery);
+        let out = car.step(&mut s, PowertrainInput::on(duties[k / 600]));
+        assert!(!out.rejected, "{out:?}");
+        let over_a = out.battery_a - faded.discharge_a;
+        assert!(over_a <= out.limit_exceeded_a + 0.01, "{k}: {out:?} {faded:?}");
+        limited |= faded.discharge_a < 0.5 * cell.discharge_limit_a;
+    }
+    assert!(limited && s.battery.cells[40].soc.get() < 2e-3, "{:?}", s.battery.cells[40]);
+    let energy = car.energy(&start, &s);
+    assert!(energy.residual_rel() < 1e-5 && energy.throughput > 1e4, "{energy:?}");
+    assert!(<SeriesPack<96> as Pack>::soc(&s.battery) < 0.01);
+}
