@@ -3,7 +3,7 @@
 use plant_core::ParamError;
 use plant_core::battery::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit, OverSoc,
-    ResistanceMap, ThermalParams,
+    ResistanceMap, ThermalParams, VoltageLimits,
 };
 use plant_core::num::SocTable;
 use voltstep_bms::estimate::cells::{CellResistanceParams, CellsParams};
@@ -167,6 +167,7 @@ impl VoltstepCellParams {
             capacity_ah: self.capacity_ah,
             discharge_limit_a: self.discharge_limit_a,
             charge_limit_a: self.charge_limit_a,
+            voltage_limits: VoltageLimits::NONE,
             refresh_s: self.refresh_s,
             open_circuit: OpenCircuit::Table(curve),
             hysteresis: HysteresisParams {
