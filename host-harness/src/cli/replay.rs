@@ -11,7 +11,7 @@ use crate::read::vehicle;
 use crate::show::progress::Bar;
 use crate::show::{self, files, sheet, summary, trace};
 use crate::simulate::mode::Mode;
-use crate::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
+use crate::simulate::replay::{self, DEFAULT_STEP_S, DEFAULT_VEHICLE, Options, Replay};
 
 /// A run that takes longer than this shows its progress.
 const SHOW_PROGRESS_AFTER: Duration = Duration::from_secs(1);
@@ -27,8 +27,8 @@ pub struct Arguments {
     /// battery alone on measured current
     #[arg(long, value_enum, default_value_t = Mode::Vehicle)]
     mode: Mode,
-    /// Length of a step in milliseconds
-    #[arg(long, value_name = "MS", default_value_t = 1.0, allow_negative_numbers = true)]
+    /// Length of a step in milliseconds; a longer one than the default is compared with it
+    #[arg(long, value_name = "MS", default_value_t = 1000.0 * DEFAULT_STEP_S, allow_negative_numbers = true)]
     dt_ms: f64,
     /// Folder for summary.json, trace.csv and report.svg [default: out/<name>/]
     #[arg(long, value_name = "DIR")]

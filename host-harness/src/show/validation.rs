@@ -27,8 +27,8 @@ fn verdict(check: &Check) -> &'static str {
     }
 }
 
-/// A row for each check, then what failed or was skipped.
-pub fn render(report: &ValidationReport) -> String {
+/// A row for each check; a line for each that failed or was skipped.
+pub fn figures(checks: &[Check]) -> (Table, String) {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED);
     table.set_header([
@@ -45,7 +45,7 @@ pub fn render(report: &ValidationReport) -> String {
     }
     let mut case = "";
     let mut notes = String::new();
-    for check in &report.cases {
+    for check in checks {
         if check.name != case {
             case = &check.name;
             table.add_row([format!("▸ {case}")]);
@@ -66,6 +66,12 @@ pub fn render(report: &ValidationReport) -> String {
             notes += &format!("{}: {name}: {quantity}: {reason}\n", verdict(check));
         }
     }
+    (table, notes)
+}
+
+/// The table, then what failed or was skipped.
+pub fn render(report: &ValidationReport) -> String {
+    let (table, notes) = figures(&report.cases);
     format!(
         "{table}\n\
          published: what the source work prints where that contradicts itself or its own \
