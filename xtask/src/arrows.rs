@@ -26,7 +26,7 @@ const CRATES: &[Crate] = &[
         layers: &[
             // One thing: a table of numbers can be refused, and what is refused is a number.
             &["num+error+model"],
-            &["port"],
+            &["port", "thermal"],
             &["battery", "auxiliary", "converter", "machine", "mechanics"],
             &["signal"],
             &["powertrain"],

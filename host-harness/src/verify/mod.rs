@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `components`, `parts`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -20,6 +20,7 @@ pub mod endurance;
 pub mod experiment;
 mod field_oriented;
 mod motor;
+mod parts;
 mod pmsm;
 mod sampled;
 mod signals;
@@ -193,6 +194,7 @@ fn cases() -> Vec<Case> {
     cases.extend(field_oriented::CASES);
     cases.extend(sampled::CASES);
     cases.extend(components::CASES);
+    cases.extend(parts::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases
