@@ -28,6 +28,7 @@
 //! | [`estimate::energy`] | energy and time left |
 //! | [`estimate::power`] | state of power: what may be drawn and charged over the next seconds |
 //! | [`estimate::series`] | all of them of cells in series, tied together |
+//! | [`protect`] | what must not be: limits, plausibility, missing data, as a table of rows |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
@@ -40,6 +41,7 @@
 pub mod comm;
 pub mod estimate;
 pub mod measure;
+pub mod protect;
 pub mod store;
 
 pub use estimate::Estimate;
@@ -50,7 +52,7 @@ pub use estimate::energy::EnergyGauge;
 pub use estimate::power::PowerLimits;
 pub use estimate::soh::Health;
 pub use measure::{Measurements, Reading};
-pub use plant_core::{Accum, Dt, ParamError, Real};
+pub use plant_core::{Accum, Dt, ParamError, Real, must};
 
 /// The example of this crate's README, kept compiling.
 #[cfg(doctest)]

@@ -34,7 +34,10 @@ const CRATES: &[Crate] = &[
             &["presets"],
         ],
     },
-    Crate { sources: "bms/src", layers: &[&["measure"], &["estimate"], &["store", "comm"]] },
+    Crate {
+        sources: "bms/src",
+        layers: &[&["measure"], &["estimate"], &["protect"], &["store", "comm"]],
+    },
     Crate {
         sources: "host-harness/src",
         layers: &[
