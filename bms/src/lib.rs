@@ -29,6 +29,7 @@
 //! | [`estimate::power`] | state of power: what may be drawn and charged over the next seconds |
 //! | [`estimate::series`] | all of them of cells in series, tied together |
 //! | [`protect`] | what must not be: limits, plausibility, missing data, as a table of rows |
+//! | [`contactor`] | when contactors close and open: a state machine, precharge, a driver of pins |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
@@ -39,6 +40,7 @@
 //! in brackets, or that it is ours) and ends with where its tests are.
 
 pub mod comm;
+pub mod contactor;
 pub mod estimate;
 pub mod measure;
 pub mod protect;

@@ -36,7 +36,7 @@ const CRATES: &[Crate] = &[
     },
     Crate {
         sources: "bms/src",
-        layers: &[&["measure"], &["estimate"], &["protect"], &["store", "comm"]],
+        layers: &[&["measure"], &["estimate"], &["protect"], &["contactor"], &["store", "comm"]],
     },
     Crate {
         sources: "host-harness/src",

@@ -41,6 +41,7 @@ fn tripped(rule: &Debounce, history: &[Sample]) -> bool {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_history_is_judged_by_the_rule() {
     let mut compared = 0_u32;
     for (count, delay, heal, missing) in

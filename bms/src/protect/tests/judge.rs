@@ -63,12 +63,14 @@ fn finds_every_wire(look: impl Fn(&Scene, &mut State) -> bool) -> Result<(), usi
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_open_wire_is_found() {
     assert_eq!(finds_every_wire(|s, state| s.step(state).rose.has(Id::OpenWire)), Ok(()));
 }
 
 /// Planted: only wires 0 and 1 are looked at.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn two_wires_only_is_caught() {
     let wrong = |scene: &Scene, state: &mut State| {
         let mut blind = *scene;
@@ -113,6 +115,7 @@ fn volts_taken_for_millivolts_are_caught() {
 
 /// A sensor that dies at the same moment hides no over-voltage.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_bad_cell_that_is_lost_stays_bad() {
     let over = Id::CellVoltage(Side::High, MSL);
     let mut scene = Scene::healthy();
@@ -127,6 +130,7 @@ fn a_bad_cell_that_is_lost_stays_bad() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_stuck_sensor_is_told_and_a_quiet_one_is_not() {
     for id in [Id::StuckCell, Id::StuckTemperature, Id::StuckCurrent] {
         let mut state = State::NEW;
@@ -153,6 +157,7 @@ fn a_stuck_sensor_is_told_and_a_quiet_one_is_not() {
 
 /// Ten seconds of the ten-second current are allowed, eleven are not; the continuous one always is.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn ten_seconds_of_the_ten_second_current() {
     let after = |current_a: Real| {
         let mut scene = Scene::healthy();
@@ -171,6 +176,7 @@ fn ten_seconds_of_the_ten_second_current() {
 
 /// In the cold less is continuous.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn the_continuous_current_follows_the_temperature() {
     let mol = Id::Current(Flow::Discharge, Level::Mol);
     let tripped = |temperature_c: Real, current_a: Real| {

@@ -68,6 +68,7 @@ fn latches(id: Id, step: Step) -> Result<(), &'static str> {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_latched_fault_ends_by_request_alone_with_its_cause_gone() {
     let mut latching = 0;
     for row in TABLE.rows().iter().filter(|row| row.clear > Clear::No) {
@@ -79,6 +80,7 @@ fn a_latched_fault_ends_by_request_alone_with_its_cause_gone() {
 
 /// Planted: one good sample clears a latched fault.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn one_good_sample_that_clears_is_caught() {
     fn wrong(scene: &Scene, state: &mut State) -> Verdict {
         let mut verdict = scene.step(state);
@@ -95,6 +97,7 @@ fn one_good_sample_that_clears_is_caught() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn what_does_not_latch_heals_after_a_good_second() {
     for row in TABLE.rows().iter().filter(|row| row.clear == Clear::No) {
         let mut state = State::NEW;
@@ -117,6 +120,7 @@ fn what_does_not_latch_heals_after_a_good_second() {
 
 /// What a temperature forbids is the direction that it concerns.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn cold_forbids_charging_and_not_driving() {
     let cold = Id::Temperature(Flow::Charge, Side::Low, Level::Msl);
     let mut scene = Scene::healthy();
@@ -139,6 +143,7 @@ fn cold_forbids_charging_and_not_driving() {
 
 /// Reactions as the table says, the strongest of several.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn the_strongest_reaction_counts() {
     for row in TABLE.rows() {
         let mut state = State::NEW;
@@ -163,6 +168,7 @@ fn the_strongest_reaction_counts() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_lock_out_lasts_over_a_power_cut() {
     let mut state = State::locked_by(Id::DeepDischarge);
     let mut scene = Scene::healthy();
