@@ -30,6 +30,7 @@
 //! | [`estimate::series`] | all of them of cells in series, tied together |
 //! | [`protect`] | what must not be: limits, plausibility, missing data, as a table of rows |
 //! | [`contactor`] | when contactors close and open: a state machine, precharge, a driver of pins |
+//! | [`limit`] | what vehicle and charger may draw and feed, and which is heard |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
@@ -42,6 +43,7 @@
 pub mod comm;
 pub mod contactor;
 pub mod estimate;
+pub mod limit;
 pub mod measure;
 pub mod protect;
 pub mod store;

@@ -36,7 +36,13 @@ const CRATES: &[Crate] = &[
     },
     Crate {
         sources: "bms/src",
-        layers: &[&["measure"], &["estimate"], &["protect"], &["contactor"], &["store", "comm"]],
+        layers: &[
+            &["measure"],
+            &["estimate"],
+            &["protect"],
+            &["contactor", "limit"],
+            &["store", "comm"],
+        ],
     },
     Crate {
         sources: "host-harness/src",
