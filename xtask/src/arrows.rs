@@ -40,7 +40,7 @@ const CRATES: &[Crate] = &[
             &["measure"],
             &["estimate"],
             &["protect"],
-            &["contactor", "limit"],
+            &["balance", "contactor", "limit", "log"],
             &["store", "comm"],
         ],
     },
