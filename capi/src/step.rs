@@ -295,7 +295,7 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
     let out = plant.model.step(&mut state.plant, input);
     state.seen = Feedback::from(&out);
     VoltstepOutputs {
-        duty: out.duty,
+        duty: out.drives.duty,
         brake_n: input.road.brake_n,
         speed_m_s: out.speed_m_s,
         distance_m: out.distance_m,
@@ -303,9 +303,9 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
         battery_a: out.battery_a,
         battery_v: out.battery_v,
         open_circuit_v: out.open_circuit_v,
-        motor_a: out.motor_a,
-        motor_nm: out.motor_nm,
-        motor_rad_s: out.motor_rad_s,
+        motor_a: out.drives.motor_a,
+        motor_nm: out.drives.motor_nm,
+        motor_rad_s: out.drives.motor_rad_s,
         limit_exceeded_a: out.limit_exceeded_a,
         overcharged_c: out.overcharged_c,
         limited: match out.limited {
@@ -332,7 +332,7 @@ pub unsafe extern "C" fn voltstep_state_snapshot(
 ) -> VoltstepStatus {
     // SAFETY: as promised by the caller; whether `state` was initialised is checked inside.
     let seen = unsafe { shared(state) }.map(|State { plant, seen, .. }| VoltstepSnapshot {
-        current_a: plant.current_a.into(),
+        current_a: plant.drives.into(),
         speed_m_s: plant.body.speed_m_s.into(),
         distance_m: plant.body.distance_m.into(),
         soc: plant.battery.soc.into(),

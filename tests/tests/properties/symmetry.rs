@@ -17,10 +17,10 @@ use crate::check::{cases, log, positive, signed};
 use crate::draw::{self, PLAUSIBLE, drawn};
 
 fn mirrored(input: PowertrainInput) -> PowertrainInput {
-    let Road { grade, headwind_m_s, brake_n } = input.road;
+    let Road { grade, headwind_m_s, .. } = input.road;
     let grade = Grade { sin: -grade.sin, ..grade };
-    let road = Road { grade, headwind_m_s: -headwind_m_s, brake_n };
-    PowertrainInput { gates: Gates::On(-input.gates.duty()), road, ..input }
+    let road = Road { grade, headwind_m_s: -headwind_m_s, ..input.road };
+    PowertrainInput { gates: Gates::On(-input.gates.modulation().unwrap()), road, ..input }
 }
 
 fn opposite(slip: Slip) -> Slip {
@@ -49,14 +49,14 @@ proptest! {
     ) {
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         let (mut s, mut m) = (plant.at_speed(soc, speed).unwrap(), plant.at_speed(soc, -speed).unwrap());
-        (s.current_a, m.current_a) = (Accum::new(current), Accum::new(-current));
+        (s.drives, m.drives) = (Accum::new(current), Accum::new(-current));
         for (duty, sin, headwind_m_s, brake_n, auxiliary_w) in inputs {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n, ..Road::default() };
             let input = PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) };
             let (out, mirror) = (plant.step(&mut s, input), plant.step(&mut m, mirrored(input)));
-            let moves = [out.duty, out.speed_m_s, out.distance_m, out.motor_a, out.motor_nm];
+            let moves = [out.drives.duty, out.speed_m_s, out.distance_m, out.drives.motor_a, out.drives.motor_nm];
             let mirror_moves =
-                [mirror.duty, mirror.speed_m_s, mirror.distance_m, mirror.motor_a, mirror.motor_nm];
+                [mirror.drives.duty, mirror.speed_m_s, mirror.distance_m, mirror.drives.motor_a, mirror.drives.motor_nm];
             prop_assert_eq!(moves, mirror_moves.map(|x| -x), "{:?} {:?}", input, out);
             let battery = [out.battery_a, out.battery_v, out.soc];
             prop_assert_eq!(battery, [mirror.battery_a, mirror.battery_v, mirror.soc]);
