@@ -27,10 +27,11 @@ use crate::read::battery;
 use crate::read::builtin::{BuiltIn, is_toml};
 use crate::read::document::{CHECK_DT, Document};
 use crate::read::error::InputError;
+use crate::read::recognise::FileKind;
 
 /// Every built-in vehicle.
 const BUILT_IN: BuiltIn = BuiltIn {
-    kind: "vehicle",
+    kind: FileKind::Vehicle,
     files: &[
         ("bmw-i3-60ah", include_str!("../../data/vehicles/bmw-i3-60ah.toml")),
         ("bmw-i3-60ah-constant", include_str!("../../data/vehicles/bmw-i3-60ah-constant.toml")),

@@ -33,7 +33,7 @@ impl CurrentLimits {
     /// Any current.
     pub const NONE: Self = Self { discharge_a: Real::INFINITY, charge_a: Real::INFINITY };
 
-    /// The lower of both, each way.
+    /// The lower of both, in each direction.
     #[inline]
     #[must_use]
     pub const fn within(self, other: Self) -> Self {

@@ -438,7 +438,7 @@ impl TorqueDriver {
         let wanted_nm = direction * wanted_nm;
         let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
         if direction * input.reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
-            // Rolling the wrong way: to drive against it is no regeneration to fade.
+            // Rolling in the wrong direction: to drive against it is no regeneration to fade.
             command_nm = max(min(command_nm, wanted_nm), -self.params.peak_torque_nm);
         }
         let mut short_nm = command_nm - wanted_nm;

@@ -1,4 +1,4 @@
-//! More current, brake or duty acts the way it should, from any state.
+//! More current, brake or duty acts in the direction that it should, from any state.
 
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
 use plant_core::converter::ConverterParams;

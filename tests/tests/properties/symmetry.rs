@@ -85,7 +85,7 @@ proptest! {
         }
     }
 
-    /// Under control, its limits included; the d axis is the same both ways.
+    /// Under control, its limits included; the d axis is the same in both directions.
     #[test]
     fn synchronous_machine_under_control(
         (params, control) in drawn(PLAUSIBLE, |d| (draw::pmsm(d), draw::foc(d))),
@@ -95,23 +95,23 @@ proptest! {
         let dt = Dt::from_s(dt_s).unwrap();
         let (machine, foc) =
             (Pmsm::new(params, dt).unwrap(), Foc::new(control, params, dt).unwrap());
-        let mut ways = [1.0, -1.0].map(|way| (way, FocState::default(), PmsmState::default()));
+        let mut directions = [1.0, -1.0].map(|direction| (direction, FocState::default(), PmsmState::default()));
         for (torque_nm, load_nm, bus_v) in inputs {
-            let [there, back] = ways.each_mut().map(|(way, control, state)| {
+            let [there, back] = directions.each_mut().map(|(direction, control, state)| {
                 let input = FocInput {
-                    torque_nm: *way * torque_nm,
+                    torque_nm: *direction * torque_nm,
                     current_a: state.current_a(),
                     speed_rad_s: state.speed_rad_s.get(),
                     bus_v,
                 };
                 let told = foc.step(control, input);
                 let out =
-                    machine.step(state, PmsmInput::cold(told.voltage_v, *way * load_nm));
-                let flip = |v: Dq| [v.d, *way * v.q];
+                    machine.step(state, PmsmInput::cold(told.voltage_v, *direction * load_nm));
+                let flip = |v: Dq| [v.d, *direction * v.q];
                 let vectors = [told.voltage_v, told.reference_a, out.current_a, out.flux_wb];
                 let moves = [out.speed_rad_s, out.torque_nm, out.shaft_nm, told.torque_nm];
                 let flags = [told.weakened, told.limited, told.saturated, told.rejected];
-                let moves: [Real; 4] = moves.map(|x| *way * x);
+                let moves: [Real; 4] = moves.map(|x| *direction * x);
                 (vectors.map(flip), moves, flags, [out.electrical_w, out.copper_w, out.iron_w])
             });
             prop_assert_eq!(there, back);

@@ -4,9 +4,14 @@ use plant_core::Real;
 use plant_core::num::{clamp, sqrt};
 
 use super::ahead::Direction;
-use super::{Allowance, HORIZONS, PowerAhead, PowerLimits};
+use super::{Allowance, HORIZONS, PowerAhead, PowerLimits, PowerWalk};
 use crate::estimate::cells::{CellResistancesState, CellsState};
 use crate::{Estimate, Health};
+
+/// Slices of each horizon and direction.
+const PARTS: usize = 3;
+/// Calls of [`PowerLimits::walk_of_cells`] until the answer is there.
+pub const SLICES_OF_CELLS: usize = HORIZONS * 2 * PARTS;
 
 /// What is believed of the cells in series of a pack.
 #[derive(Clone, Copy, Debug)]
@@ -54,28 +59,60 @@ impl PowerLimits<'_> {
         &self,
         cells: &SeriesCells<CELLS>,
     ) -> [PowerAhead; HORIZONS] {
-        let spread = cells.socs.spread();
-        let (mut discharge, mut charge) = (Allowance::ANY, Allowance::ANY);
-        self.horizons.map(|horizon| {
-            let allow = |direction, first, shorter: &mut Allowance| {
-                for round in 0..2 {
-                    let index = match round {
-                        0 => first,
-                        _ => self.closest(direction, cells, shorter.current_a),
-                    };
-                    *shorter = match cells.cell(index) {
-                        Some((estimate, health)) => {
-                            self.allow(&horizon, direction, *shorter, &estimate, &health)
-                        }
-                        None => Allowance::NONE,
-                    };
-                }
-                *shorter
-            };
-            let discharge = allow(Direction::Discharge, spread.min_index, &mut discharge);
-            let charge = allow(Direction::Charge, spread.max_index, &mut charge);
-            PowerAhead { horizon_s: horizon.seconds(), discharge, charge }
-        })
+        let mut walk = PowerWalk::START;
+        for _ in 0..SLICES_OF_CELLS {
+            self.slice(&mut walk, cells);
+        }
+        walk.found
+    }
+
+    /// The same in [`SLICES_OF_CELLS`] calls, for a processor with other things to do: with the last
+    /// one the answer is there, from what was believed at each of them.
+    pub fn walk_of_cells<const CELLS: usize>(
+        &self,
+        state: &mut PowerWalk,
+        cells: &SeriesCells<CELLS>,
+    ) -> Option<[PowerAhead; HORIZONS]> {
+        self.slice(state, cells);
+        if state.next < SLICES_OF_CELLS {
+            return None;
+        }
+        let found = state.found;
+        *state = PowerWalk::START;
+        Some(found)
+    }
+
+    /// For each horizon and direction three slices: what the cell allows that is closest to empty or
+    /// full, which one comes closest to its voltage limit under that, what this one allows.
+    fn slice<const CELLS: usize>(&self, walk: &mut PowerWalk, cells: &SeriesCells<CELLS>) {
+        let (index, part) = (walk.next / PARTS / 2, walk.next % PARTS);
+        let Some((horizon, found)) = self.horizons.get(index).zip(walk.found.get_mut(index)) else {
+            *walk = PowerWalk::START;
+            return;
+        };
+        walk.next += 1;
+        found.horizon_s = horizon.seconds();
+        let (direction, shorter, place) = if ((walk.next - 1) / PARTS).is_multiple_of(2) {
+            (Direction::Discharge, &mut walk.discharge, &mut found.discharge)
+        } else {
+            (Direction::Charge, &mut walk.charge, &mut found.charge)
+        };
+        match (part, direction) {
+            (1, _) => {
+                walk.candidate = self.closest(direction, cells, shorter.current_a);
+                return;
+            }
+            (0, Direction::Discharge) => walk.candidate = cells.socs.spread().min_index,
+            (0, Direction::Charge) => walk.candidate = cells.socs.spread().max_index,
+            _ => {}
+        }
+        *shorter = match cells.cell(walk.candidate) {
+            Some((estimate, health)) => {
+                self.allow(horizon, direction, *shorter, &estimate, &health)
+            }
+            None => Allowance::NONE,
+        };
+        *place = *shorter;
     }
 
     /// The cell whose voltage comes closest to its limit under a current \[A\], ≥ 0.
