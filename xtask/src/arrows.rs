@@ -34,7 +34,16 @@ const CRATES: &[Crate] = &[
             &["presets"],
         ],
     },
-    Crate { sources: "bms/src", layers: &[&["measure"], &["estimate"], &["store", "comm"]] },
+    Crate {
+        sources: "bms/src",
+        layers: &[
+            &["measure"],
+            &["estimate"],
+            &["protect"],
+            &["balance", "contactor", "limit", "log"],
+            &["store", "comm"],
+        ],
+    },
     Crate {
         sources: "host-harness/src",
         layers: &[

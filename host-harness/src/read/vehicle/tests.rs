@@ -264,8 +264,8 @@ fn values_that_break_a_rule() {
 }
 
 /// Keys whose values are no numbers.
-const TEXTS: [&str; 6] =
-    ["name", "description", "source", "battery", "derivative_of", "anti_windup"];
+const TEXTS: [&str; 7] =
+    ["name", "description", "source", "battery", "derivative_of", "anti_windup", "pole_pairs"];
 
 #[test]
 fn every_field_that_the_models_check_has_its_place() {
@@ -408,12 +408,17 @@ fn several_drives() {
     let with = |drives: &str| parse("x.toml", EXAMPLE.replace(one, drives).as_bytes());
     assert_eq!(with(&listed).unwrap().powertrain, with(one).unwrap().powertrain);
     let refused = |drives: &str| with(drives).unwrap_err().to_string();
+    // A duty drives one machine.
     let two = listed.repeat(2);
     assert!(refused(&two).contains("`driver.duty` must drive one DC machine"), "{}", refused(&two));
     assert!(refused(&listed.repeat(5)).contains("`drive` may stand 4 times at most"));
+    let pmsm = "[pmsm]\npole_pairs = 6.5\n";
+    let whole = refused(&format!("{pmsm}{}", &one[one.find("[gearbox]").unwrap()..]));
+    assert!(whole.contains("expected a whole number up to 65535, found 6.5"), "{whole}");
     let bad = format!("{listed}{}", listed.replace("ratio = 5.0", "ratio = 0.0"));
     let said = refused(&bad);
-    assert!(said.contains("`ratio` in [drive.gearbox]") && said.contains("x.toml:38"), "{said}");
+    assert!(said.contains("`ratio` in [drive.gearbox]"), "{said}");
+    assert!(said.starts_with("x.toml:50:1"), "{said}");
     assert!(
         refused(&format!("{one}{listed}")).contains("belongs into each of the tables [[drive]]")
     );
