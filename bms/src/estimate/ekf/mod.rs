@@ -179,8 +179,8 @@ pub struct EkfState {
     /// Variance of what a step takes for noise \[V²\], and what each A² of its current adds.
     noise_v2: Real,
     load_noise_ohm2: Real,
-    /// Magnitude of the current, summed over the steps since the last refresh \[A\].
-    load_sum_a: Real,
+    /// Current, summed over the steps since the last refresh \[A\].
+    current_sum_a: Real,
     /// Measured less expected voltage, summed likewise \[V\].
     residual_sum_v: Real,
     /// The last measured current \[A\].
@@ -285,11 +285,10 @@ impl Ekf {
     // A call would pass the state through memory once more.
     #[inline(always)]
     pub fn update(&self, state: &mut EkfState, current_a: Real, voltage_v: Real) -> EkfOutput {
-        let magnitude_a = current_a.abs();
-        if !(magnitude_a <= self.largest_a && sane(voltage_v)) {
+        if !(current_a.abs() <= self.largest_a && sane(voltage_v)) {
             return self.miss(state, current_a);
         }
-        state.load_sum_a += magnitude_a;
+        state.current_sum_a += current_a;
         state.last_a = current_a;
         let current_a = current_a - state.current_offset_a;
         state.rise -= current_a * state.soc_per_a;

@@ -88,12 +88,13 @@ impl Ekf {
         let steps = self.steps();
         let refresh_s = steps * self.dt_s;
         let residual_v = state.residual_sum_v / steps;
+        let flowing_a = state.current_sum_a / steps;
         let mean_a = if state.slow.load_a < 0.0 {
             // Before the first step: as if this load had been on for long.
             state.slow.load_a = if seen { input.current_a.abs() } else { 0.0 };
             state.slow.load_a
         } else {
-            let mean_a = state.load_sum_a / steps;
+            let mean_a = flowing_a.abs();
             state.slow.load_a += lag_gain(refresh_s / LOAD_MEMORY_S) * (mean_a - state.slow.load_a);
             let gain = lag_gain(refresh_s / RESIDUAL_S);
             state.slow.residual_v += gain * (residual_v - state.slow.residual_v);
@@ -106,9 +107,10 @@ impl Ekf {
             mean_a
         };
         Self::correct_drift(state);
+        self.follow_reaction(state, residual_v, flowing_a);
         self.follow_trust(state, residual_v, mean_a);
         state.slow.gap.refresh(state.residual_sum_v);
-        state.load_sum_a = 0.0;
+        state.current_sum_a = 0.0;
         state.residual_sum_v = 0.0;
         state.steps_left = self.refresh_steps;
         state.soc_before.add(state.rise);

@@ -53,7 +53,7 @@ impl Ekf {
             slope_v: 0.0,
             noise_v2: known.voltage_sd_v * known.voltage_sd_v,
             load_noise_ohm2: 0.0,
-            load_sum_a: 0.0,
+            current_sum_a: 0.0,
             residual_sum_v: 0.0,
             last_a: 0.0,
             corrected: 0.0,
