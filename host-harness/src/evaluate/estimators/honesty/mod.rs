@@ -2,7 +2,11 @@
 //! simulated batteries of three kinds, each with something wrong, drawn anew for each seed.
 
 mod batteries;
+mod capacity;
+mod energy;
+mod random;
 mod tally;
+mod weak;
 mod world;
 
 use rayon::prelude::*;
@@ -39,6 +43,22 @@ pub enum Kind {
     Dead,
     /// The ammeter is mounted the wrong way round.
     Reversed,
+    /// The ammeter shows the same all the time.
+    Stuck,
+    /// The curve is another one: four times its declared error.
+    WrongCurve,
+    /// The cells are of another chemistry.
+    OtherCells,
+    /// One of the cells in series is not there.
+    FewerCells,
+    /// More resistance and less capacity than was declared, and nobody said so.
+    Aged,
+    /// One of the pairs that the capacity is learnt from is wrong.
+    BadPair,
+    /// One of the cells in series is weak: what the pack may give.
+    WeakCell,
+    /// The energy left, in the cold.
+    Energy,
 }
 
 /// What a kind must reach.
@@ -85,7 +105,7 @@ impl Bound {
 
 impl Kind {
     /// All.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 18] = [
         Self::Clean,
         Self::Drawn,
         Self::Drain,
@@ -96,6 +116,14 @@ impl Kind {
         Self::Stale,
         Self::Dead,
         Self::Reversed,
+        Self::Stuck,
+        Self::WrongCurve,
+        Self::OtherCells,
+        Self::FewerCells,
+        Self::Aged,
+        Self::BadPair,
+        Self::WeakCell,
+        Self::Energy,
     ];
 
     /// In words.
@@ -112,7 +140,21 @@ impl Kind {
             Self::Stale => "start 8 % off, said to be 1 %",
             Self::Dead => "ammeter dead",
             Self::Reversed => "ammeter reversed",
+            Self::Stuck => "ammeter stuck",
+            Self::WrongCurve => "curve four times as wrong",
+            Self::OtherCells => "cells of another chemistry",
+            Self::FewerCells => "95 of 96 cells",
+            Self::Aged => "aged, and nobody said so",
+            Self::BadPair => "capacity: a bad pair",
+            Self::WeakCell => "power: a weak cell",
+            Self::Energy => "energy left, 25 to -10 °C",
         }
+    }
+
+    /// Whether it can happen to a battery.
+    #[must_use]
+    pub fn happens_to(self, chemistry: Chemistry) -> bool {
+        self != Self::FewerCells || chemistry == Chemistry::Pack
     }
 
     /// A kind whose errors are drawn from a distribution needs more seeds to show it.
@@ -140,7 +182,25 @@ impl Kind {
                 ..Bound::STRICT
             },
             Self::Quantised => Bound { inside: 0.985, silent: 0.015, worst: 5.0, ..Bound::STRICT },
-            Self::Stale | Self::Dead | Self::Reversed => Bound::TOLD,
+            Self::Stale
+            | Self::Dead
+            | Self::Reversed
+            | Self::Stuck
+            | Self::WrongCurve
+            | Self::OtherCells
+            | Self::FewerCells
+            | Self::Aged
+            | Self::BadPair => Bound::TOLD,
+            Self::WeakCell => Bound { worst: f64::INFINITY, ..Bound::STRICT },
+            Self::Energy => Bound {
+                inside: 0.0,
+                inside_mean: 0.99,
+                silent: 0.01,
+                worst: f64::INFINITY,
+                sd: 0.2,
+                ratio: 1.05,
+                ..Bound::STRICT
+            },
         };
         match (chemistry, self) {
             (Chemistry::Cell | Chemistry::Pack, _) => bound,
@@ -263,13 +323,17 @@ pub fn run(seeds: u64) -> Vec<Group> {
     let pairs: Vec<(Kind, Chemistry)> = Kind::ALL
         .into_iter()
         .flat_map(|kind| Chemistry::ALL.map(|chemistry| (kind, chemistry)))
+        .filter(|(kind, chemistry)| kind.happens_to(*chemistry))
         .collect();
     pairs
         .into_par_iter()
         .map(|(kind, chemistry)| {
-            let runs = (1..=kind.seeds(seeds))
-                .into_par_iter()
-                .map(|seed| World::new(kind, chemistry, seed).run());
+            let runs = (1..=kind.seeds(seeds)).into_par_iter().map(|seed| match kind {
+                Kind::BadPair => capacity::run(seed),
+                Kind::WeakCell => weak::run(chemistry, seed),
+                Kind::Energy => energy::run(chemistry, seed),
+                _ => World::new(kind, chemistry, seed).run(),
+            });
             Group { kind, chemistry, runs: runs.collect() }
         })
         .collect()

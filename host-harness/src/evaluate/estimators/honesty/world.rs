@@ -3,10 +3,11 @@
 use plant_core::Dt;
 use plant_core::battery::{MappedBattery, MappedBatteryInput, MappedBatteryParams};
 use voltstep_bms::estimate::ekf::{Ekf, EkfInput, EkfParams, EkfState};
+use voltstep_bms::measure::{Measurements, Reading};
 
 use super::Kind;
-use super::batteries::{Chemistry, bend, scale_resistances};
-use super::tally::Tally;
+use super::batteries::{Chemistry, bend, in_series, scale_resistances};
+use super::tally::{Said, Tally};
 
 const DT_S: f32 = 1.0;
 /// A start is judged from here on \[s\].
@@ -48,6 +49,11 @@ pub struct World {
     unseen_a: f32,
     gain: f32,
     offset_a: f32,
+    /// The ammeter shows this, whatever flows \[A\].
+    stuck_a: Option<f32>,
+    /// The battery has so many cells less than the filter is told, and the sum of the cells is
+    /// compared with the whole.
+    cells_less: f32,
     noise_v: f32,
     quantum_v: f32,
     missing: f64,
@@ -92,7 +98,6 @@ impl World {
         let nominal_v = truth.open_circuit.at(0.5);
         let believed = EkfParams::typical(truth, nominal_v);
         let cells = nominal_v / 3.65;
-        let capacity_ah = truth.capacity_ah;
         let mut random = fastrand::Rng::with_seed(1000 * kind as u64 + seed);
         for _ in 0..8 {
             random.f32();
@@ -110,17 +115,20 @@ impl World {
             unseen_a: 0.0,
             gain: 1.0,
             offset_a: 0.0,
+            stuck_a: None,
+            cells_less: 0.0,
             noise_v: 0.001 * cells,
             quantum_v: 0.001 * cells,
             missing: 0.0,
             random,
         };
-        world.spoil(kind, capacity_ah, cells);
+        world.spoil(kind, chemistry, cells);
         world
     }
 
-    fn spoil(&mut self, kind: Kind, capacity_ah: f32, cells: f32) {
+    fn spoil(&mut self, kind: Kind, chemistry: Chemistry, cells: f32) {
         let known = self.believed.uncertainty;
+        let capacity_ah = self.truth.capacity_ah;
         match kind {
             Kind::Clean => self.told = Some((self.soc, 0.01)),
             Kind::Drawn => {
@@ -170,6 +178,21 @@ impl World {
             }
             Kind::Dead => self.gain = 0.0,
             Kind::Reversed => self.gain = -1.0,
+            Kind::Stuck => {
+                self.stuck_a = Some(capacity_ah * (0.33 + 0.6 * self.normal()).max(-0.6));
+            }
+            Kind::WrongCurve => self.bend_curve(4.0 * known.open_circuit_sd_v),
+            Kind::OtherCells => self.truth = chemistry.other(),
+            Kind::FewerCells => {
+                self.cells_less = 1.0;
+                in_series(&mut self.truth, 1.0 - 1.0 / chemistry.cells());
+            }
+            Kind::Aged => {
+                scale_resistances(&mut self.truth, 1.4 + 0.4 * self.random.f32());
+                self.truth.capacity_ah *= 0.9 - 0.1 * self.random.f32();
+            }
+            // Not of the filter.
+            Kind::BadPair | Kind::WeakCell | Kind::Energy => {}
         }
     }
 
@@ -226,8 +249,14 @@ impl World {
             // Where the truth is beyond what the model knows, nobody is asked.
             let known = self.believed.battery.identified.holds(cell.soc.get(), out.temperature_c);
             if second >= JUDGED_FROM_S && known {
-                let estimate = filter.estimate(&state);
-                tally.book(&estimate, filter.status(&state), truth, f64::from(DT_S));
+                let (estimate, status) = (filter.estimate(&state), filter.status(&state));
+                let said = Said {
+                    value: f64::from(estimate.soc),
+                    sd: f64::from(estimate.soc_sd),
+                    contradicted: !status.consistent || self.miscounted(input.voltage_v),
+                    outside_known: status.outside_identified,
+                };
+                tally.book(said, truth, f64::from(DT_S));
             }
         }
         tally
@@ -245,7 +274,7 @@ impl World {
         let noise_a = 0.003 * self.truth.capacity_ah * self.normal();
         let voltage_v = voltage_v + self.noise_v * self.normal();
         let mut input = EkfInput {
-            current_a: self.gain * current_a + self.offset_a + noise_a,
+            current_a: self.stuck_a.unwrap_or(self.gain * current_a + self.offset_a + noise_a),
             voltage_v: (voltage_v / self.quantum_v).round() * self.quantum_v,
             temperature_c,
             contactors_open: false,
@@ -254,5 +283,21 @@ impl World {
             (input.current_a, input.voltage_v) = (f32::NAN, f32::NAN);
         }
         input
+    }
+
+    /// Whether the cells in series, as many as the filter is told, and the whole do not fit.
+    fn miscounted(&self, voltage_v: f32) -> bool {
+        const CELLS: usize = 96;
+        if self.cells_less == 0.0 {
+            return false;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "96")]
+        let cell_v = voltage_v / (CELLS as f32 - self.cells_less);
+        let measured: Measurements<CELLS, 0> = Measurements {
+            cell_v: [Reading::new(cell_v); CELLS],
+            pack_v: Reading::new(voltage_v),
+            ..Measurements::NONE
+        };
+        measured.fits_in_series(1.0) == Some(false)
     }
 }
