@@ -302,7 +302,21 @@ impl<'b> PowerLimits<'b> {
         let soc = clamp(estimate.soc - direction.sign() * sds * estimate.soc_sd, 0.0, 1.0);
         let now = clamp(estimate.soc, 0.0, 1.0);
         let offset_v = estimate.offset_v + (curve.at(now) - curve.at(soc));
-        let resistance_factor = health.resistance_factor + sds * health.resistance_factor_sd;
+        let mut resistance_factor = health.resistance_factor + sds * health.resistance_factor_sd;
+        if sds > 0.0 {
+            // The resistance need not be highest where the voltage is lowest.
+            let total_ohm = |soc| {
+                let ohm = self.battery.resistances(soc, estimate.temperature_c);
+                let [fast_ohm, slow_ohm] = ohm.polarisation_ohm;
+                ohm.series_ohm + fast_ohm + slow_ohm
+            };
+            let here_ohm = total_ohm(soc);
+            let other = 2.0 * now - soc;
+            let highest_ohm = max(here_ohm, max(total_ohm(now), total_ohm(other)));
+            if here_ohm > 0.0 {
+                resistance_factor *= highest_ohm / here_ohm;
+            }
+        }
         let soc = if sds > 0.0 { soc } else { estimate.soc };
         (Estimate { soc, offset_v, ..*estimate }, Health { resistance_factor, ..*health })
     }

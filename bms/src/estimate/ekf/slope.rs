@@ -105,7 +105,7 @@ impl Ekf {
     /// one. `residual_v` is that of the last second; the longer mean comes late.
     ///
     /// What is believed before, and how well each place explains the voltage, is weighed at places
-    /// around it (Bayes's rule on a grid, as the point-mass filter of Bucy and Senne 1971 does): where
+    /// around it (Bayes's rule on a grid \[Bucy1971\]): where
     /// the curve has more than one place for a voltage, the mean lies between them and the standard
     /// deviation says so.
     #[cold]
@@ -144,7 +144,7 @@ impl Ekf {
         state.slow.residual_v = 0.0;
         state.slow.soc_then = soc;
         state.slow.drift.forget();
-        state.slow.trust.forget_reaction();
+        state.slow.reaction.forget();
         // Half of it because of the model's error, half of it for what the range leaves open.
         state.own_variance = 0.5 * variance;
         state.shared_per_v = -HALF_ROOT * sd / sd_v;

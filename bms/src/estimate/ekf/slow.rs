@@ -6,6 +6,8 @@ use plant_core::num::{Real, clamp, lag_gain, max, min, sign, sqrt};
 
 use super::drift::Drift;
 use super::gap::Gap;
+use super::reaction::Reaction;
+use super::size::Size;
 use super::slope::Slope;
 use super::trust::Trust;
 use super::{CONSISTENT, Ekf, EkfInput, EkfState};
@@ -72,6 +74,8 @@ pub(super) struct Slow {
     pub(super) drift: Drift,
     pub(super) gap: Gap,
     pub(super) trust: Trust,
+    pub(super) reaction: Reaction,
+    pub(super) size: Size,
 }
 
 impl Ekf {
@@ -123,6 +127,7 @@ impl Ekf {
             state.slow.offset_sd_a += gain * (learnt_a - state.slow.offset_sd_a);
         }
         let moved = mean_a * state.soc_per_a * steps;
+        self.follow_size(state, max(mean_a, state.slow.load_a), moved);
         self.follow_hysteresis(state, moved);
         // What flows unseen moves the state of charge too.
         let unseen = state.slow.offset_sd_a * state.soc_per_a * steps;
@@ -164,7 +169,7 @@ impl Ekf {
             + known.voltage_sd_v * known.voltage_sd_v
             + hysteresis_v * hysteresis_v;
         let before_v2 = slow.error_sd_v * slow.error_sd_v;
-        slow.error_sd_v = outside * sqrt(squares);
+        slow.error_sd_v = outside * sqrt(slow.size.factor2 * squares);
         let after_v2 = slow.error_sd_v * slow.error_sd_v;
 
         // From one stationary variance to the other, forgetting what has gone.

@@ -95,10 +95,21 @@ impl Bound {
     const TOLD: Self = Self {
         inside: 0.0,
         inside_mean: 0.0,
-        silent: 0.05,
+        silent: 0.01,
         worst: f64::INFINITY,
         flagged: 1.0,
         sd: f64::INFINITY,
+        ..Self::STRICT
+    };
+    /// What is wrong is drawn as declared. A Gaussian leaves three in a thousand outside; runs are few,
+    /// so at times more.
+    const DRAWN: Self = Self {
+        inside: 0.0,
+        inside_mean: 0.99,
+        silent: 0.01,
+        worst: f64::INFINITY,
+        flagged: 0.03,
+        ratio: 1.05,
         ..Self::STRICT
     };
 }
@@ -154,12 +165,17 @@ impl Kind {
     /// Whether it can happen to a battery.
     #[must_use]
     pub fn happens_to(self, chemistry: Chemistry) -> bool {
-        self != Self::FewerCells || chemistry == Chemistry::Pack
+        match self {
+            Self::FewerCells => chemistry == Chemistry::Pack,
+            // The capacity is learnt from states of charge, whatever the curve.
+            Self::BadPair => chemistry == Chemistry::Cell,
+            _ => true,
+        }
     }
 
     /// A kind whose errors are drawn from a distribution needs more seeds to show it.
     const fn seeds(self, seeds: u64) -> u64 {
-        if matches!(self, Self::Drawn) { 4 * seeds } else { seeds }
+        if matches!(self, Self::Drawn | Self::Energy | Self::BadPair) { 4 * seeds } else { seeds }
     }
 
     /// What it must reach on a battery.
@@ -171,50 +187,35 @@ impl Kind {
             Self::Drain | Self::Reset | Self::Dropouts => Bound::STRICT,
             // A rest alone knows no more than the slope of the curve where it is.
             Self::Rest => Bound { sd: 0.08, ..Bound::STRICT },
-            // A Gaussian leaves three in a thousand outside; runs are few, so at times more.
-            Self::Drawn => Bound {
-                inside: 0.0,
-                inside_mean: 0.99,
-                silent: 0.01,
-                worst: f64::INFINITY,
-                flagged: 0.03,
-                ratio: 1.05,
-                ..Bound::STRICT
-            },
+            Self::Drawn => Bound::DRAWN,
             Self::Quantised => Bound { inside: 0.985, silent: 0.015, worst: 5.0, ..Bound::STRICT },
             Self::Stale
             | Self::Dead
             | Self::Reversed
             | Self::Stuck
-            | Self::WrongCurve
             | Self::OtherCells
             | Self::FewerCells
             | Self::Aged
             | Self::BadPair => Bound::TOLD,
-            Self::WeakCell => Bound { worst: f64::INFINITY, ..Bound::STRICT },
-            Self::Energy => Bound {
-                inside: 0.0,
-                inside_mean: 0.99,
-                silent: 0.01,
-                worst: f64::INFINITY,
-                sd: 0.2,
-                ratio: 1.05,
-                ..Bound::STRICT
-            },
+            // It is said once some errors have been seen, each of which takes charge that moves.
+            Self::WrongCurve => Bound { silent: 0.05, ..Bound::TOLD },
+            // Nobody is told of a cell: the limits keep it.
+            Self::WeakCell => Bound { sd: f64::INFINITY, ratio: f64::INFINITY, ..Bound::DRAWN },
+            // In watt-hours over those of a full battery.
+            Self::Energy => Bound { sd: 0.07, ..Bound::DRAWN },
         };
         match (chemistry, self) {
-            (Chemistry::Cell | Chemistry::Pack, _) => bound,
-            // The limit of what a voltage says there: a step of the curve that is as high as two
-            // standard deviations of its error may be another one.
-            (Chemistry::Flat, Self::Drawn) => {
-                Bound { inside_mean: 0.95, silent: 0.05, sd: f64::INFINITY, ..bound }
+            // The voltage says little there, so the standard deviation is larger.
+            (Chemistry::Flat, Self::Clean | Self::Drawn | Self::Dropouts | Self::Quantised) => {
+                Bound { sd: 0.14, ..bound }
             }
-            // Nor does the voltage of a cell with so little resistance tell that the current is wrong,
-            // or its start, before the curve bends.
-            (Chemistry::Flat, Self::Stale | Self::Dead | Self::Reversed) => {
-                Bound { silent: 0.25, ..bound }
-            }
-            (Chemistry::Flat, _) => Bound { sd: f64::INFINITY, ..bound },
+            // A current that nobody sees moves the battery off its plateau: that is told.
+            (Chemistry::Flat, Self::Drain) => Bound { sd: 0.26, flagged: 0.1, ..bound },
+            (Chemistry::Flat, Self::Rest | Self::Reset) => Bound { sd: 0.3, ..bound },
+            // Four times the error, 36 mV, is more than the whole plateau rises: there the voltage has
+            // nothing to tell it from the state of charge.
+            (Chemistry::Flat, Self::WrongCurve) => Bound { silent: 0.15, ..bound },
+            _ => bound,
         }
     }
 }

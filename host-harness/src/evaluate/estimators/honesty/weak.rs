@@ -77,8 +77,8 @@ pub fn run(chemistry: Chemistry, seed: u64) -> Tally {
         open_circuit: known.open_circuit,
         noise_sd_v: 0.001,
         offset_sd_v: 0.001,
-        resistance_sd_ohm: 0.2 * total_ohm,
-        // What a pack's maker declares where a cell may be weak.
+        // What a maker declares of a pack in which a cell may be weak.
+        resistance_sd_ohm: 0.5 * total_ohm,
         capacity_sd: 0.1,
         soc_sd: 0.02,
         drift_sd_per_day: 0.001,
@@ -109,7 +109,8 @@ pub fn run(chemistry: Chemistry, seed: u64) -> Tally {
         voltage_max_v: 4.5,
         soc_min: 0.0,
         soc_max: 1.0,
-        margin_sds: 2.0,
+        // 99.4 % of a Gaussian: each answer is judged.
+        margin_sds: 2.5,
         horizons_s: HORIZONS_S,
         discharge_window: ANY,
         charge_window: ANY,
