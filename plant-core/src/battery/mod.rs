@@ -19,7 +19,7 @@ mod rc;
 
 pub use map::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OverSoc, REFERENCE_C,
-    ResistanceMap, ThermalParams,
+    ResistanceMap, ThermalParams, temperature_factor,
 };
 pub use mapped::{
     MappedBattery, MappedBatteryInput, MappedBatteryOutput, MappedBatteryState, Resistances,

@@ -85,6 +85,11 @@ impl Ekf {
                 offset_sd_a: known.current_offset_sd_a,
                 temperature_c,
                 temperature_missing: false,
+                temperature_factors: [0, 1, 2].map(|turn| {
+                    let nearest_c = self.params.battery.identified.nearest_c(temperature_c);
+                    self.temperature_factor(turn, nearest_c)
+                }),
+                turn: 0,
                 slope: Slope::NONE,
                 resistance_factor: 1.0,
                 resistance_sd: known.resistance_sd,
