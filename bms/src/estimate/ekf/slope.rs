@@ -63,7 +63,7 @@ impl Ekf {
             return;
         }
         (state.slow.slope.at_soc, state.slow.slope.at_sd) = (soc, sd);
-        let mut slope_v = tangent_v;
+        let mut slope_v = Real::INFINITY;
         for reach in [-1.5 * sd, 1.5 * sd] {
             let (mut from, mut from_v) = (soc, open_circuit_v);
             for _ in 0..2 {
@@ -75,6 +75,9 @@ impl Ekf {
                 (from, from_v) = (to, to_v);
             }
         }
+        // The tangent counts only where nothing is left open: a dent of the curve that is narrower than
+        // a standard deviation says little of what lies within three.
+        let slope_v = if slope_v < Real::INFINITY { slope_v } else { tangent_v };
         self.change_slope(state, slope_v, gone > moved);
     }
 
