@@ -15,11 +15,11 @@ const CHANGE_SDS: Real = 3.0;
 /// so many squares is a third of it.
 const CHANGES: Real = 16.0;
 /// The mean square of what was not expected may be so many times what it should be, or that times
-/// [`CHANGES`] over the changes there were. Chosen: with [`LARGEST`] a single spike, which is two
-/// changes, is no contradiction, five in a row are.
-const MOST: Real = 4.0;
+/// [`CHANGES`] over the changes there were. Chosen: three standard deviations of the resistance; with
+/// [`LARGEST`] a single spike, which is two changes, is no contradiction, five in a row are.
+const MOST: Real = 9.0;
 /// A single square counts up to this. Chosen: see [`MOST`].
-const LARGEST: Real = 16.0;
+const LARGEST: Real = 36.0;
 /// A correction by more than this says nothing of the voltage's change. Chosen: less than a table's
 /// point, so the tangent reaches as far.
 const FAR_SOC: Real = 0.01;
@@ -71,7 +71,11 @@ impl Ekf {
     pub(super) fn follow_reaction(&self, state: &mut EkfState, residual_v: Real, current_a: Real) {
         let noise_v = self.params.uncertainty.voltage_sd_v;
         let noise_v2 = 2.0 * noise_v * noise_v;
-        let (total_ohm, dynamics_ohm) = (state.slow.total_ohm, state.slow.dynamics_ohm);
+        let [fast_ohm, slow_ohm] = state.branch_ohm;
+        let prompt_ohm = state.series_ohm + self.steps() * (fast_ohm + slow_ohm);
+        // How a resistance is split into prompt and slow is known less than all of it.
+        let prompt = 0.5 * (prompt_ohm / state.slow.total_ohm + 1.0);
+        let unknown_ohm = state.slow.dynamics_ohm * prompt;
         let reaction = &mut state.slow.reaction;
         let corrected_v = state.error_v - reaction.error_v + state.tangent_v * state.corrected;
         let change_v = residual_v - reaction.left_v;
@@ -81,9 +85,9 @@ impl Ekf {
             // Nothing was measured, or the tangent does not reach so far.
             reaction.forget();
         }
-        let largest_v = max(change_v.abs(), (total_ohm * change_a).abs());
+        let largest_v = max(change_v.abs(), (prompt_ohm * change_a).abs());
         if change_a.is_finite() && largest_v * largest_v > CHANGE_SDS * CHANGE_SDS * noise_v2 {
-            let expected_v = dynamics_ohm * change_a;
+            let expected_v = unknown_ohm * change_a;
             let expected_v2 = noise_v2 + expected_v * expected_v;
             let seen_v2 = min(change_v * change_v, LARGEST * expected_v2);
             let keep = 1.0 - 1.0 / CHANGES;
