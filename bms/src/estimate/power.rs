@@ -10,7 +10,7 @@ mod ahead;
 mod weakest;
 mod window;
 
-pub use weakest::SeriesCells;
+pub use weakest::{CellsWalk, SeriesCells};
 pub use window::TemperatureWindow;
 
 use plant_core::battery::MappedBattery;
@@ -81,7 +81,7 @@ pub struct PowerParams {
 ///
 /// It takes up to ten looks ahead for each horizon and direction, some 2,500 instructions each: a
 /// matter for once a second, not for every step. [`walk`](PowerLimits::walk) does one horizon and
-/// direction a call.
+/// direction a call, [`walk_cells`](PowerLimits::walk_cells) less than that.
 ///
 /// ```
 /// use plant_core::presets::PANASONIC_NCR18650PF;

@@ -145,6 +145,27 @@ fn reports_by_the_names_of_the_specification() {
 }
 
 #[test]
+fn a_walk_comes_to_the_report() {
+    let state = EnergyState::default();
+    let estimate = Estimate { soc_sd: 0.02, ..at(0.6, 0.0) };
+    let known = Health { resistance_factor_sd: 0.1, ..health() };
+    let mut walk = EnergyWalk::default();
+    for _ in 0..2 {
+        for _ in 0..CASES - 1 {
+            assert_eq!(GAUGE.walk(&mut walk, &state, &estimate, &known), None);
+        }
+        let walked = GAUGE.walk(&mut walk, &state, &estimate, &known);
+        assert_eq!(walked, GAUGE.report(&state, &estimate, &known));
+        assert!(walked.is_some() && walk == EnergyWalk::START);
+    }
+    // What is not finite begins anew.
+    GAUGE.walk(&mut walk, &state, &estimate, &known);
+    let nowhere = Estimate { soc: Real::NAN, ..estimate };
+    assert_eq!(GAUGE.walk(&mut walk, &state, &nowhere, &known), None);
+    assert_eq!(walk, EnergyWalk::START);
+}
+
+#[test]
 fn averages_over_a_minute() {
     let mut state = EnergyState::default();
     for _ in 0..60 {

@@ -4,7 +4,7 @@ use plant_core::Real;
 use plant_core::num::{clamp, sqrt};
 
 use super::ahead::Direction;
-use super::{Allowance, HORIZONS, PowerAhead, PowerLimits};
+use super::{Allowance, HORIZONS, PowerAhead, PowerLimits, PowerWalk};
 use crate::estimate::cells::{CellResistancesState, CellsState};
 use crate::{Estimate, Health};
 
@@ -44,6 +44,39 @@ impl<const CELLS: usize> SeriesCells<'_, CELLS> {
     }
 }
 
+/// A cell, the search for another one, that one.
+const PARTS: usize = 3;
+/// Both directions of every horizon.
+const SLICES: usize = 2 * HORIZONS * PARTS;
+
+/// How far [`PowerLimits::walk_cells`] has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CellsWalk {
+    next: usize,
+    cell: usize,
+    discharge: Allowance,
+    charge: Allowance,
+    found: [PowerAhead; HORIZONS],
+}
+
+impl CellsWalk {
+    /// Before the first call.
+    pub const START: Self = Self {
+        next: 0,
+        cell: 0,
+        discharge: Allowance::ANY,
+        charge: Allowance::ANY,
+        found: PowerWalk::START.found,
+    };
+}
+
+impl Default for CellsWalk {
+    fn default() -> Self {
+        Self::START
+    }
+}
+
 impl PowerLimits<'_> {
     /// What the cells in series allow, for limits and a battery of one cell: current as it is, power
     /// of one cell. The cell that is closest to empty or full, and the one whose voltage comes
@@ -54,28 +87,60 @@ impl PowerLimits<'_> {
         &self,
         cells: &SeriesCells<CELLS>,
     ) -> [PowerAhead; HORIZONS] {
-        let spread = cells.socs.spread();
-        let (mut discharge, mut charge) = (Allowance::ANY, Allowance::ANY);
-        self.horizons.map(|horizon| {
-            let allow = |direction, first, shorter: &mut Allowance| {
-                for round in 0..2 {
-                    let index = match round {
-                        0 => first,
-                        _ => self.closest(direction, cells, shorter.current_a),
-                    };
-                    *shorter = match cells.cell(index) {
-                        Some((estimate, health)) => {
-                            self.allow(&horizon, direction, *shorter, &estimate, &health)
-                        }
-                        None => Allowance::NONE,
-                    };
+        let mut walk = CellsWalk::START;
+        for _ in 1..SLICES {
+            self.walk_cells(&mut walk, cells);
+        }
+        self.walk_cells(&mut walk, cells).unwrap_or(walk.found)
+    }
+
+    /// The same in slices, for a processor with other things to do: one cell under one horizon in one
+    /// direction, or the search for it; after eighteen calls the answer is there, from the estimates of
+    /// these calls.
+    pub fn walk_cells<const CELLS: usize>(
+        &self,
+        walk: &mut CellsWalk,
+        cells: &SeriesCells<CELLS>,
+    ) -> Option<[PowerAhead; HORIZONS]> {
+        let index = walk.next / (2 * PARTS);
+        let Some((horizon, found)) = self.horizons.get(index).zip(walk.found.get_mut(index)) else {
+            *walk = CellsWalk::START;
+            return None;
+        };
+        let charging = walk.next / PARTS % 2 == 1;
+        let (direction, shorter) = if charging {
+            (Direction::Charge, &mut walk.charge)
+        } else {
+            (Direction::Discharge, &mut walk.discharge)
+        };
+        let part = walk.next % PARTS;
+        if part == 0 {
+            let spread = cells.socs.spread();
+            walk.cell = if charging { spread.max_index } else { spread.min_index };
+        }
+        if part == 1 {
+            // The search is a slice of its own.
+            walk.cell = self.closest(direction, cells, shorter.current_a);
+        } else {
+            *shorter = match cells.cell(walk.cell) {
+                Some((estimate, health)) => {
+                    self.allow(horizon, direction, *shorter, &estimate, &health)
                 }
-                *shorter
+                None => Allowance::NONE,
             };
-            let discharge = allow(Direction::Discharge, spread.min_index, &mut discharge);
-            let charge = allow(Direction::Charge, spread.max_index, &mut charge);
-            PowerAhead { horizon_s: horizon.seconds(), discharge, charge }
-        })
+        }
+        *found = PowerAhead {
+            horizon_s: horizon.seconds(),
+            discharge: walk.discharge,
+            charge: walk.charge,
+        };
+        walk.next += 1;
+        if walk.next < SLICES {
+            return None;
+        }
+        let found = walk.found;
+        *walk = CellsWalk { found, ..CellsWalk::START };
+        Some(found)
     }
 
     /// The cell whose voltage comes closest to its limit under a current \[A\], ≥ 0.

@@ -36,8 +36,7 @@ pub fn run(seed: u64) -> Tally {
     let estimator = CapacityEstimator::new(params, dt).expect("an estimator");
     let truth_ah = NOMINAL_AH * (1.0 + NOMINAL_SD * random.normal());
     let gain = 1.0 + params.current_gain_sd * random.normal();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0..20")]
-    let bad = (random.even() * PAIRS as f32) as u32;
+    let bad = random.count(0..PAIRS);
     let mut state = estimator.unknown();
     let mut tally = Tally::default();
     for pair in 0..PAIRS {

@@ -173,9 +173,14 @@ impl Kind {
         }
     }
 
-    /// A kind whose errors are drawn from a distribution needs more seeds to show it.
+    /// A kind whose errors are drawn from a distribution needs so many seeds to show a share of one in a
+    /// hundred.
     const fn seeds(self, seeds: u64) -> u64 {
-        if matches!(self, Self::Drawn | Self::Energy | Self::BadPair) { 4 * seeds } else { seeds }
+        match self {
+            Self::Drawn | Self::Energy | Self::BadPair if seeds < SEEDS => 4 * SEEDS,
+            Self::Drawn | Self::Energy | Self::BadPair => 4 * seeds,
+            _ => seeds,
+        }
     }
 
     /// What it must reach on a battery.

@@ -17,6 +17,21 @@ impl Random {
         self.0.f32()
     }
 
+    /// The same, with more digits.
+    pub fn even_f64(&mut self) -> f64 {
+        self.0.f64()
+    }
+
+    /// One way or the other.
+    pub fn coin(&mut self) -> bool {
+        self.0.bool()
+    }
+
+    /// A whole number of a range.
+    pub fn count(&mut self, range: std::ops::Range<u32>) -> u32 {
+        self.0.u32(range)
+    }
+
     /// One of some.
     pub fn one_of<T: Copy>(&mut self, some: &[T]) -> T {
         some[self.0.usize(0..some.len())]
