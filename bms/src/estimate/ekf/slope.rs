@@ -123,7 +123,7 @@ impl Ekf {
         let reach = max(REACH_SDS / per_sd, LEAST_REACH);
         let (low, high) = (max(before - reach, 0.0), min(before + reach, 1.0));
         let step = (high - low) / PLACES;
-        let (mut weights, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        let (mut weights, mut sum, mut squares, mut off_sum_v) = (0.0, 0.0, 0.0, 0.0);
         let mut soc = low + 0.5 * step;
         while soc < high {
             let off_v = shown_v - self.params.battery.open_circuit.at(soc);
@@ -132,6 +132,7 @@ impl Ekf {
             weights += weight;
             sum += weight * away;
             squares += weight * away * away;
+            off_sum_v += weight * off_v;
             soc += step;
         }
         let mean = sum / weights;
@@ -140,9 +141,8 @@ impl Ekf {
         let (soc, sd) = (before + mean, sqrt(variance));
         state.soc_before = Accum::new(soc);
         state.rise = 0.0;
-        // What the mean of the places does not explain.
-        let (there_v, _) = self.open_circuit(soc);
-        state.error_v = clamp(shown_v - there_v, -CONSISTENT * sd_v, CONSISTENT * sd_v);
+        // What the places, as they are weighed, do not explain.
+        state.error_v = clamp(off_sum_v / weights, -CONSISTENT * sd_v, CONSISTENT * sd_v);
         state.error_variance_v2 = sd_v * sd_v;
         state.slow.residual_v = 0.0;
         state.slow.soc_then = soc;

@@ -219,7 +219,7 @@ impl Kind {
             (Chemistry::Flat, Self::Rest | Self::Reset) => Bound { sd: 0.3, ..bound },
             // Four times the error, 36 mV, is more than the whole plateau rises: there the voltage has
             // nothing to tell it from the state of charge.
-            (Chemistry::Flat, Self::WrongCurve) => Bound { silent: 0.15, ..bound },
+            (Chemistry::Flat, Self::WrongCurve) => Bound { silent: 0.2, ..bound },
             _ => bound,
         }
     }
