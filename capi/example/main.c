@@ -6,37 +6,14 @@
 #include <stdint.h>
 
 #include "cycle.h"
+#include "hash.h"
 #include "platform.h"
 #include "voltstep.h"
-
-/* FNV-1a, 64 bits, over the four bytes of a float, the lowest first. */
-static uint64_t hash = 0xcbf29ce484222325u;
-
-static void hash_float(float value)
-{
-    union {
-        float value;
-        uint32_t word;
-    } bits = { value };
-    for (int i = 0; i < 4; i++) {
-        hash = (hash ^ (bits.word >> 8 * i & 0xff)) * 0x100000001b3u;
-    }
-}
 
 static void hash_sum(VoltstepSum sum)
 {
     hash_float(sum.value);
     hash_float(sum.lost);
-}
-
-static void say_hash(const char *name)
-{
-    char text[] = " hash 0000000000000000\n";
-    for (int i = 0; i < 16; i++) {
-        text[21 - i] = "0123456789abcdef"[hash >> 4 * i & 0xf];
-    }
-    say(name);
-    say(text);
 }
 
 /* Says what went wrong, in the library's words. */
@@ -104,7 +81,7 @@ static int drive(const char *name, VoltstepPreset preset)
     }
     voltstep_inputs_default(&inputs);
     Cycle cycle = { 0 };
-    hash = 0xcbf29ce484222325u;
+    hash = HASH_START;
     for (long n = 0; n < CYCLE_STEPS && status == VOLTSTEP_STATUS_OK; n++) {
         VoltstepSnapshot now;
         cycle_step(&cycle, &inputs.reference_m_s, &inputs.reference_m_s2);

@@ -1,7 +1,7 @@
 /*
  * Voltstep for C: an EV powertrain (battery, converter, DC motor, gearbox, wheels, body) with its
- * driver, in fixed steps, single precision, without allocation; bit for bit the same on a
- * Cortex-M4F and on a PC.
+ * driver, in fixed steps, and the estimators of a battery; single precision, without allocation;
+ * bit for bit the same on a Cortex-M4F and on a PC.
  *
  *   VoltstepParams params;
  *   voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, &params);
@@ -10,6 +10,14 @@
  *   static VoltstepState state;                        // a snapshot is a copy of it
  *   voltstep_state_init(&plant, &state, 0.8f, 0.0f);
  *   every millisecond: voltstep_step(&plant, &state, &inputs, &outputs);
+ *
+ *   VoltstepEstimatorParams known;
+ *   voltstep_estimator_params_preset(VOLTSTEP_CELL_PRESET_PANASONIC_NCR18650_PF, &known);
+ *   static VoltstepEstimators estimators;              // stays where it is
+ *   voltstep_estimators_init(&estimators, &known, 0.1f);
+ *   static uint64_t pack[VOLTSTEP_SERIES_WORDS + 18 * VOLTSTEP_SERIES_WORDS_PER_CELL];
+ *   voltstep_series_start(&estimators, pack, sizeof pack / 8, 18, 0, NAN, 25.0f);
+ *   every 100 ms: voltstep_series_step(&estimators, pack, &sample, cell_v, 18, &believed);
  *
  * All memory is the caller's. Units stand in the names (_a A, _v V, _nm N m, _m_s m/s, ...);
  * ratios have none. Discharge current, traction torque and forward speed are positive. Every
@@ -24,6 +32,42 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+// Words (8 bytes) of a `VoltstepEstimators`.
+#define VOLTSTEP_ESTIMATORS_WORDS 704
+
+// Words (8 bytes) of a `VoltstepFilterState`.
+#define VOLTSTEP_FILTER_STATE_WORDS 48
+
+// Words (8 bytes) of a `VoltstepCounterState`.
+#define VOLTSTEP_COUNTER_STATE_WORDS 16
+
+// Words (8 bytes) of a `VoltstepResistanceState`.
+#define VOLTSTEP_RESISTANCE_STATE_WORDS 16
+
+// Words (8 bytes) of a `VoltstepCapacityState`.
+#define VOLTSTEP_CAPACITY_STATE_WORDS 12
+
+// Words (8 bytes) of a `VoltstepEnergyState`.
+#define VOLTSTEP_ENERGY_STATE_WORDS 4
+
+// Words (8 bytes) of a `VoltstepPowerWalk`.
+#define VOLTSTEP_POWER_WALK_WORDS 24
+
+// Words (8 bytes) that cells in series take beside what each takes.
+#define VOLTSTEP_SERIES_WORDS 112
+
+// Words (8 bytes) that each cell in series takes.
+#define VOLTSTEP_SERIES_WORDS_PER_CELL 4
+
+// Lengths of time that the power limits look ahead.
+#define VOLTSTEP_HORIZONS 3
+
+// Bytes of a slot that holds a record.
+#define VOLTSTEP_RECORD_BYTES 96
+
+// Calls of `voltstep_series_power_walk` until the answer is there.
+#define VOLTSTEP_SERIES_SLICES 18
 
 // Words (4 bytes) of a `VoltstepPlant`.
 #define VOLTSTEP_PLANT_WORDS 192
@@ -52,17 +96,33 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_NULL_POINTER = 1,
   // A pointer is not aligned as its type demands.
   VOLTSTEP_STATUS_MISALIGNED = 2,
-  // Plant and state share memory.
+  // Two objects of a call share memory.
   VOLTSTEP_STATUS_OVERLAP = 3,
   // The plant was not initialised: `voltstep_plant_init`.
   VOLTSTEP_STATUS_PLANT_NOT_INITIALISED = 4,
-  // The state was not initialised: `voltstep_state_init`.
+  // The state was not initialised: `voltstep_state_init`, or the estimator's `..._start`.
   VOLTSTEP_STATUS_STATE_NOT_INITIALISED = 5,
-  // `VoltstepParams.abi` is not `VOLTSTEP_ABI`: not set, or header and library differ.
+  // The params' `abi` is not `VOLTSTEP_ABI`: not set, or header and library differ.
   VOLTSTEP_STATUS_ABI_MISMATCH = 6,
+  // The estimators were not initialised: `voltstep_estimators_init`.
+  VOLTSTEP_STATUS_ESTIMATORS_NOT_INITIALISED = 7,
+  // The estimators are a copy, or were moved: initialise them where they lie.
+  VOLTSTEP_STATUS_ESTIMATORS_MOVED = 8,
+  // The memory is too small for so many cells.
+  VOLTSTEP_STATUS_MEMORY_TOO_SMALL = 9,
   // An input of the step was not finite or absurd. The outputs say whether the plant or only the
   // driver refused it; what refused it left its state as it was.
   VOLTSTEP_STATUS_INPUT_REJECTED = 10,
+  // No memory of cells in series for such a number of cells, or not for this one.
+  VOLTSTEP_STATUS_CELL_COUNT = 11,
+  // No cell has this number.
+  VOLTSTEP_STATUS_CELL_INDEX = 12,
+  // The slot is erased: it holds no record yet.
+  VOLTSTEP_STATUS_RECORD_BLANK = 13,
+  // What the slot holds is no record, or one of another version.
+  VOLTSTEP_STATUS_RECORD_UNKNOWN = 14,
+  // The checksum of the record does not fit: a torn write, or memory gone bad.
+  VOLTSTEP_STATUS_RECORD_CORRUPTED = 15,
   // No such preset.
   VOLTSTEP_STATUS_UNKNOWN_PRESET = 20,
   // `battery.model` is none of `VoltstepBatteryModel`.
@@ -75,6 +135,8 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_UNKNOWN_DRIVER = 24,
   // `pid.anti_windup` is none of `VoltstepWindup`.
   VOLTSTEP_STATUS_UNKNOWN_WINDUP = 25,
+  // No such preset of a cell.
+  VOLTSTEP_STATUS_UNKNOWN_CELL_PRESET = 26,
   // A parameter is out of range, and this version has no code of its own for it.
   VOLTSTEP_STATUS_PARAMETER = 99,
   // `dt_s` must be finite and between 1e-12 and 1e12.
@@ -105,6 +167,8 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_BATTERY_TABLE_V = 119,
   // `battery.open_circuit.table` must not decrease from one entry to the next.
   VOLTSTEP_STATUS_BATTERY_TABLE_V_DECREASING = 120,
+  // `battery.open_circuit.table` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_BATTERY_TABLE_V_RANGE = 121,
   // `auxiliary.power_w` must be finite, zero or above, and at most 1e12.
   VOLTSTEP_STATUS_AUXILIARY_POWER_W = 140,
   // `auxiliary.resistance_ohm` must be at least 1e-12 (infinity: no limit).
@@ -195,6 +259,280 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_TORQUE_BRAKE_LIMIT_N = 236,
   // `driver.torque.current_rate_per_s` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_TORQUE_CURRENT_RATE_PER_S = 237,
+  // `soc_sd` must lie in 0..1.
+  VOLTSTEP_STATUS_SOC_SD = 300,
+  // `temperature_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_TEMPERATURE_C = 301,
+  // `voltage_v` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_VOLTAGE_V = 302,
+  // `battery.refresh_s` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_REFRESH_S = 310,
+  // `battery.hysteresis.half_gap_v` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_HYSTERESIS_HALF_GAP_V = 311,
+  // `battery.hysteresis.rate_per_soc` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_HYSTERESIS_RATE_PER_SOC = 312,
+  // `battery.series.resistance_ohm` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_SERIES_RESISTANCE_OHM = 313,
+  // `battery.series.activation_k` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_SERIES_ACTIVATION_K = 314,
+  // `battery.series.activation_k` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELL_SERIES_ACTIVATION_K_RANGE = 315,
+  // `battery.polarisation.resistance_ohm` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_POLARISATION_RESISTANCE_OHM = 316,
+  // `battery.polarisation.activation_k` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_POLARISATION_ACTIVATION_K = 317,
+  // `battery.polarisation.activation_k` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELL_POLARISATION_ACTIVATION_K_RANGE = 318,
+  // `battery.polarisation.time_constant_s` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_POLARISATION_TIME_CONSTANT_S = 319,
+  // `battery.second_polarisation.resistance_ohm` must be finite, zero or above, and at most
+  // 1e12.
+  VOLTSTEP_STATUS_CELL_SECOND_POLARISATION_RESISTANCE_OHM = 320,
+  // `battery.second_polarisation.activation_k` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_SECOND_POLARISATION_ACTIVATION_K = 321,
+  // `battery.second_polarisation.activation_k` must lie in the range that its documentation
+  // gives.
+  VOLTSTEP_STATUS_CELL_SECOND_POLARISATION_ACTIVATION_K_RANGE = 322,
+  // `battery.second_polarisation.time_constant_s` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_SECOND_POLARISATION_TIME_CONSTANT_S = 323,
+  // `battery.thermal.heat_capacity_j_per_k` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_CELL_HEAT_CAPACITY_J_PER_K = 324,
+  // `battery.thermal.cooling_w_per_k` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CELL_COOLING_W_PER_K = 325,
+  // `battery.thermal.ambient_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELL_AMBIENT_C = 326,
+  // `battery.identified.soc_min` must lie in 0..1.
+  VOLTSTEP_STATUS_CELL_SOC_MIN = 327,
+  // `battery.identified.soc_max` must lie in 0..1.
+  VOLTSTEP_STATUS_CELL_SOC_MAX = 328,
+  // `battery.identified.soc_max` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_CELL_SOC_MAX_NOT_ABOVE = 329,
+  // `battery.identified.temperature_min_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELL_TEMPERATURE_MIN_C = 330,
+  // `battery.identified.temperature_max_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELL_TEMPERATURE_MAX_C = 331,
+  // `battery.identified.temperature_max_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_CELL_TEMPERATURE_MAX_C_NOT_ABOVE = 332,
+  // `ekf.uncertainty.open_circuit_sd_v` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_FILTER_OPEN_CIRCUIT_SD_V = 340,
+  // `ekf.uncertainty.resistance_sd` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_RESISTANCE_SD = 341,
+  // `ekf.uncertainty.activation_sd_k` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_ACTIVATION_SD_K = 342,
+  // `ekf.uncertainty.capacity_sd` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_CAPACITY_SD = 343,
+  // `ekf.uncertainty.current_offset_sd_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_CURRENT_OFFSET_SD_A = 344,
+  // `ekf.uncertainty.standby_sd_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_STANDBY_SD_A = 345,
+  // `ekf.uncertainty.voltage_sd_v` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_FILTER_VOLTAGE_SD_V = 346,
+  // `ekf.uncertainty.polarisation_sd_v` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_POLARISATION_SD_V = 347,
+  // `ekf.uncertainty.correlation_soc` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_FILTER_CORRELATION_SOC = 348,
+  // `ekf.uncertainty.correlation_soc` must lie in 0..1.
+  VOLTSTEP_STATUS_FILTER_CORRELATION_SOC_RATIO = 349,
+  // `ekf.uncertainty.outside_factor` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_FILTER_OUTSIDE_FACTOR = 350,
+  // `ekf.uncertainty.outside_factor` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_FILTER_OUTSIDE_FACTOR_RANGE = 351,
+  // `ekf.flat_v_per_soc` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_FILTER_FLAT_V_PER_SOC = 352,
+  // `ekf.converged_sd` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_FILTER_CONVERGED_SD = 353,
+  // `ekf.converged_sd` must lie in 0..1.
+  VOLTSTEP_STATUS_FILTER_CONVERGED_SD_RATIO = 354,
+  // `ekf.unseen_current_a` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_FILTER_UNSEEN_CURRENT_A = 355,
+  // `coulomb.capacity_sd_ah` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_COUNTER_CAPACITY_SD_AH = 360,
+  // `coulomb.charge_efficiency` must lie above 0 and up to 1.
+  VOLTSTEP_STATUS_COUNTER_CHARGE_EFFICIENCY = 361,
+  // `coulomb.offset_sd_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_COUNTER_OFFSET_SD_A = 362,
+  // `coulomb.gain_sd` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_COUNTER_GAIN_SD = 363,
+  // `coulomb.largest_current_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_COUNTER_LARGEST_CURRENT_A = 364,
+  // `coulomb.rest_voltage_sd_v` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_COUNTER_REST_VOLTAGE_SD_V = 365,
+  // `coulomb.rest_current_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_COUNTER_REST_CURRENT_A = 366,
+  // `coulomb.rest_s` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_COUNTER_REST_S = 367,
+  // `cells.open_circuit` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELLS_OPEN_CIRCUIT = 370,
+  // `cells.noise_sd_v` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_NOISE_SD_V = 371,
+  // `cells.noise_sd_v` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELLS_NOISE_SD_V_RANGE = 372,
+  // `cells.offset_sd_v` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_OFFSET_SD_V = 373,
+  // `cells.resistance_sd_ohm` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_RESISTANCE_SD_OHM = 374,
+  // `cells.capacity_sd` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_CAPACITY_SD = 375,
+  // `cells.soc_sd` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELLS_SOC_SD = 376,
+  // `cells.soc_sd` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_SOC_SD_RATIO = 377,
+  // `cells.drift_sd_per_day` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_DRIFT_SD_PER_DAY = 378,
+  // `cells.pack_soc_sd_max` must lie in 0..1.
+  VOLTSTEP_STATUS_CELLS_PACK_SOC_SD_MAX = 379,
+  // `cells.voltage_min_v` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELLS_VOLTAGE_MIN_V = 380,
+  // `cells.voltage_max_v` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CELLS_VOLTAGE_MAX_V = 381,
+  // `cells.voltage_max_v` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_CELLS_VOLTAGE_MAX_V_NOT_ABOVE = 382,
+  // `cell_resistances.resistance_ohm` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_RESISTANCES_RESISTANCE_OHM = 390,
+  // `cell_resistances.spread_sd` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_RESISTANCES_SPREAD_SD = 391,
+  // `cell_resistances.noise_sd_v` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_RESISTANCES_NOISE_SD_V = 392,
+  // `cell_resistances.least_step_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_RESISTANCES_LEAST_STEP_A = 393,
+  // `cell_resistances.memory_steps` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CELL_RESISTANCES_MEMORY_STEPS = 394,
+  // `cell_resistances.memory_steps` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_CELL_RESISTANCES_MEMORY_STEPS_NOT_ABOVE = 395,
+  // `resistance.voltage_sd_v` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_RESISTANCE_VOLTAGE_SD_V = 400,
+  // `resistance.current_sd_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_RESISTANCE_CURRENT_SD_A = 401,
+  // `resistance.least_step_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_RESISTANCE_LEAST_STEP_A = 402,
+  // `resistance.memory_steps` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_RESISTANCE_MEMORY_STEPS = 403,
+  // `resistance.memory_steps` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_RESISTANCE_MEMORY_STEPS_NOT_ABOVE = 404,
+  // `resistance.initial_sd` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_RESISTANCE_INITIAL_SD = 405,
+  // `resistance.skew_s` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RESISTANCE_SKEW_S = 406,
+  // `capacity.nominal_sd_ah` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CAPACITY_NOMINAL_SD_AH = 410,
+  // `capacity.current_noise_sd_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CAPACITY_CURRENT_NOISE_SD_A = 411,
+  // `capacity.current_offset_sd_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CAPACITY_CURRENT_OFFSET_SD_A = 412,
+  // `capacity.current_gain_sd` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_CAPACITY_CURRENT_GAIN_SD = 413,
+  // `capacity.least_soc_change` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CAPACITY_LEAST_SOC_CHANGE = 414,
+  // `capacity.least_soc_change_sds` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CAPACITY_LEAST_SOC_CHANGE_SDS = 415,
+  // `capacity.memory_pairs` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_CAPACITY_MEMORY_PAIRS = 416,
+  // `capacity.memory_pairs` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_CAPACITY_MEMORY_PAIRS_NOT_ABOVE = 417,
+  // `power.voltage_min_v` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_POWER_VOLTAGE_MIN_V = 420,
+  // `power.voltage_max_v` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_VOLTAGE_MAX_V = 421,
+  // `power.voltage_max_v` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_VOLTAGE_MAX_V_NOT_ABOVE = 422,
+  // `power.soc_min` must lie in 0..1.
+  VOLTSTEP_STATUS_POWER_SOC_MIN = 423,
+  // `power.soc_max` must lie in 0..1.
+  VOLTSTEP_STATUS_POWER_SOC_MAX = 424,
+  // `power.soc_max` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_SOC_MAX_NOT_ABOVE = 425,
+  // `power.margin_sds` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_POWER_MARGIN_SDS = 426,
+  // `power.horizons_s` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_HORIZONS_S_NOT_ABOVE = 427,
+  // `power.horizons_s` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_POWER_HORIZONS_S = 428,
+  // `power.discharge_window.none_below_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_NONE_BELOW_C = 429,
+  // `power.discharge_window.all_from_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_ALL_FROM_C = 430,
+  // `power.discharge_window.all_from_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_ALL_FROM_C_NOT_ABOVE = 431,
+  // `power.discharge_window.all_to_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_ALL_TO_C = 432,
+  // `power.discharge_window.all_to_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_ALL_TO_C_NOT_ABOVE = 433,
+  // `power.discharge_window.none_above_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_NONE_ABOVE_C = 434,
+  // `power.discharge_window.none_above_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_DISCHARGE_WINDOW_NONE_ABOVE_C_NOT_ABOVE = 435,
+  // `power.charge_window.none_below_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_NONE_BELOW_C = 436,
+  // `power.charge_window.all_from_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_ALL_FROM_C = 437,
+  // `power.charge_window.all_from_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_ALL_FROM_C_NOT_ABOVE = 438,
+  // `power.charge_window.all_to_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_ALL_TO_C = 439,
+  // `power.charge_window.all_to_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_ALL_TO_C_NOT_ABOVE = 440,
+  // `power.charge_window.none_above_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_NONE_ABOVE_C = 441,
+  // `power.charge_window.none_above_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_POWER_CHARGE_WINDOW_NONE_ABOVE_C_NOT_ABOVE = 442,
+  // `energy.empty_soc` must lie in 0..1.
+  VOLTSTEP_STATUS_ENERGY_EMPTY_SOC = 450,
+  // `energy.full_soc` must lie in 0..1.
+  VOLTSTEP_STATUS_ENERGY_FULL_SOC = 451,
+  // `energy.full_soc` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_ENERGY_FULL_SOC_NOT_ABOVE = 452,
+  // `energy.empty_v` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_ENERGY_EMPTY_V = 453,
+  // `energy.least_a` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_ENERGY_LEAST_A = 454,
+  // `record.soc` must lie in 0..1.
+  VOLTSTEP_STATUS_RECORD_SOC = 460,
+  // `record.soc_sd` must lie in 0..1.
+  VOLTSTEP_STATUS_RECORD_SOC_SD = 461,
+  // `record.capacity_ah` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_RECORD_CAPACITY_AH = 462,
+  // `record.capacity_ah` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_CAPACITY_AH_RANGE = 463,
+  // `record.capacity_sd_ah` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_CAPACITY_SD_AH = 464,
+  // `record.capacity_sd_ah` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_CAPACITY_SD_AH_RANGE = 465,
+  // `record.resistance_factor` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_RESISTANCE_FACTOR = 466,
+  // `record.resistance_factor` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_RESISTANCE_FACTOR_RANGE = 467,
+  // `record.resistance_factor_sd` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_RESISTANCE_FACTOR_SD = 468,
+  // `record.resistance_factor_sd` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_RESISTANCE_FACTOR_SD_RANGE = 469,
+  // `record.current_offset_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_CURRENT_OFFSET_A = 470,
+  // `record.current_offset_a` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_CURRENT_OFFSET_A_RANGE = 471,
+  // `record.current_offset_sd_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_CURRENT_OFFSET_SD_A = 472,
+  // `record.current_offset_sd_a` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_CURRENT_OFFSET_SD_A_RANGE = 473,
+  // `record.throughput_ah` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_THROUGHPUT_AH = 474,
+  // `record.throughput_ah` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_THROUGHPUT_AH_RANGE = 475,
+  // `record.polarisation.branches_v` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_POLARISATION_BRANCHES_V = 476,
+  // `record.polarisation.branches_v` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_POLARISATION_BRANCHES_V_RANGE = 477,
+  // `record.polarisation.load_a` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_POLARISATION_LOAD_A = 478,
+  // `record.polarisation.load_a` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_POLARISATION_LOAD_A_RANGE = 479,
+  // `record.polarisation.hysteresis` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_POLARISATION_HYSTERESIS = 480,
+  // `record.polarisation.hysteresis` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_POLARISATION_HYSTERESIS_RANGE = 481,
+  // `record.resistor_heat_j` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_RECORD_RESISTOR_HEAT_J = 482,
+  // `record.resistor_heat_j` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_RECORD_RESISTOR_HEAT_J_RANGE = 483,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -347,6 +685,612 @@ typedef enum VoltstepLimited VoltstepLimited;
 typedef uint32_t VoltstepLimited;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
+
+// Parameter sets of cells that come with the library, with the estimators' own to match.
+enum VoltstepCellPreset
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Panasonic NCR18650PF, identified from drive cycles; sensors of a production car.
+  VOLTSTEP_CELL_PRESET_PANASONIC_NCR18650_PF = 0,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepCellPreset VoltstepCellPreset;
+#else
+typedef uint32_t VoltstepCellPreset;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What kept a current from being larger.
+enum VoltstepBoundBy
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The largest current of the cell.
+  VOLTSTEP_BOUND_BY_CURRENT = 0,
+  // The voltage at the terminals.
+  VOLTSTEP_BOUND_BY_VOLTAGE = 1,
+  // The state of charge.
+  VOLTSTEP_BOUND_BY_SOC = 2,
+  // The temperature, now or as the current raises it.
+  VOLTSTEP_BOUND_BY_TEMPERATURE = 3,
+  // The estimate was not finite or absurd: nothing is allowed.
+  VOLTSTEP_BOUND_BY_UNKNOWN = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBoundBy VoltstepBoundBy;
+#else
+typedef uint32_t VoltstepBoundBy;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Every estimator of a cell, checked and discretised for the time between two samples. Opaque: set
+// it up by `voltstep_estimators_init` where it stays, a copy is refused; from then on it is only
+// read, so any number of states may share it.
+typedef struct VoltstepEstimators {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_ESTIMATORS_WORDS];
+} VoltstepEstimators;
+
+// What the coulomb counter remembers. Opaque; a snapshot is a copy.
+typedef struct VoltstepCounterState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_COUNTER_STATE_WORDS];
+} VoltstepCounterState;
+
+// What is worth knowing after a power cut.
+typedef struct VoltstepRecord {
+  // State of charge, a ratio 0..1.
+  float soc;
+  // Its standard deviation, a ratio 0..1.
+  float soc_sd;
+  // Capacity in A h; above 0, up to 1e6.
+  float capacity_ah;
+  // Its standard deviation in A h, 0 up to the capacity.
+  float capacity_sd_ah;
+  // Resistance as a multiple of that of a new cell, 0.01..100.
+  float resistance_factor;
+  // Its standard deviation, 0..100.
+  float resistance_factor_sd;
+  // What the current sensor shows without a current in A, within +-10000.
+  float current_offset_a;
+  // Its standard deviation in A, 0..10000.
+  float current_offset_sd_a;
+  // Charge that has gone in or out over the life in A h, 0..1e9.
+  float throughput_ah;
+  // Other than 0: the time is known.
+  uint32_t timed;
+  // When this was written, in s on a clock of the product's own.
+  uint32_t written_at_s;
+  // Other than 0: what the last minutes left in the cell is known.
+  uint32_t polarised;
+  // Voltage across the RC branches, the faster first, in V, within +-10000.
+  float polarisation_v[2];
+  // Mean magnitude of the current over the last minutes in A, 0..1e5.
+  float load_a;
+  // Where between the curves of discharge (-1) and charge (1) the open-circuit voltage lies.
+  float hysteresis;
+  // Heat in the precharge resistor in J, 0..1e6.
+  float resistor_heat_j;
+  // Why the contactors must stay open, a number of the product's own; 0: they need not.
+  uint16_t lock_out_cause;
+  // Sequence number of the newest entry of the product's log.
+  uint32_t log_sequence;
+} VoltstepRecord;
+
+// What the coulomb counter says.
+typedef struct VoltstepCounterOutputs {
+  // State of charge, a ratio 0..1.
+  float soc;
+  // Its standard deviation, a ratio.
+  float soc_sd;
+  // A reading was missing or too large since the last review: the uncertainty grew.
+  bool current_missing;
+  // The count was put right from the voltage at rest.
+  bool anchored;
+  // At rest, but the voltage lies so far outside the curve that it was not used.
+  bool voltage_implausible;
+} VoltstepCounterOutputs;
+
+// What the filter remembers. Opaque; a snapshot is a copy.
+typedef struct VoltstepFilterState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_FILTER_STATE_WORDS];
+} VoltstepFilterState;
+
+// One sample of the filter; NaN where there is no usable reading.
+typedef struct VoltstepFilterInput {
+  // Current in A, positive when discharging.
+  float current_a;
+  // Voltage at the terminals in V.
+  float voltage_v;
+  // Temperature in degC. A missing one is the last one.
+  float temperature_c;
+  // Other than 0: the contactors are open, no current flows, what the sensor shows is its offset.
+  uint32_t contactors_open;
+} VoltstepFilterInput;
+
+// What is believed to be in a cell, or in a pack as one.
+typedef struct VoltstepEstimate {
+  // State of charge, a ratio 0..1.
+  float soc;
+  // Its standard deviation, a ratio.
+  float soc_sd;
+  // Voltage across the RC branches, the faster first, positive when discharging, in V.
+  float polarisation_v[2];
+  // Where between the curves of discharge (-1) and charge (1) the open-circuit voltage lies.
+  float hysteresis;
+  // What the terminals show above what the model expects, in V.
+  float offset_v;
+  // Temperature in degC.
+  float temperature_c;
+} VoltstepEstimate;
+
+// What the filter believes after a sample, and what to think of it.
+typedef struct VoltstepFilterOutputs {
+  // What is believed.
+  struct VoltstepEstimate estimate;
+  // Measured voltage less the expected one, in V; 0 without a sample.
+  float residual_v;
+  // The standard deviation is below the `converged_sd` of the parameters.
+  bool converged;
+  // The model's error, and the mean residual beside it, are of the size that is expected.
+  bool consistent;
+  // The open-circuit curve is flat here: the voltage does not correct.
+  bool flat;
+  // State of charge or temperature lie outside the identified range.
+  bool outside_identified;
+  // The temperature is not known; the last one holds.
+  bool temperature_missing;
+  // Current or voltage was missing or absurd: the estimate is held, its uncertainty grows.
+  bool rejected;
+} VoltstepFilterOutputs;
+
+// How a cell differs from the one that its parameters describe.
+typedef struct VoltstepHealth {
+  // Charge between state of charge 0 and 1, in A h.
+  float capacity_ah;
+  // Its standard deviation in A h.
+  float capacity_sd_ah;
+  // Every resistance is larger by this factor.
+  float resistance_factor;
+  // Its standard deviation.
+  float resistance_factor_sd;
+} VoltstepHealth;
+
+// A resistance over state of charge and temperature:
+// `ohm(soc) * exp(activation_k * (1/T - 1/298.15 K))`.
+typedef struct VoltstepResistanceMap {
+  // At 25 degC and state of charge i/64, in ohm; zero or above.
+  float ohm[VOLTSTEP_SOC_POINTS];
+  // Activation temperature in K, 0..20000; 0 for no dependence on temperature.
+  float activation_k;
+} VoltstepResistanceMap;
+
+// A cell, or a pack as one: resistances over state of charge and temperature, two RC branches,
+// hysteresis, a thermal node.
+typedef struct VoltstepCellParams {
+  // Charge between state of charge 0 and 1, in A h; above zero.
+  float capacity_ah;
+  // Largest discharge current in A; above zero, infinity for none.
+  float discharge_limit_a;
+  // Largest charge current in A; above zero, infinity for none.
+  float charge_limit_a;
+  // How often resistances follow state of charge and temperature, in s; above zero.
+  float refresh_s;
+  // Open-circuit voltage at state of charge i/64, in V; zero or above, must not fall.
+  float open_circuit_v[VOLTSTEP_SOC_POINTS];
+  // Half the gap between the curves of charge and discharge, in V; zero or above.
+  float hysteresis_half_gap_v;
+  // How fast a change of the state of charge moves from one curve to the other, a ratio; zero or
+  // above.
+  float hysteresis_rate_per_soc;
+  // Series resistance.
+  struct VoltstepResistanceMap series;
+  // Resistance of the faster RC branch.
+  struct VoltstepResistanceMap polarisation;
+  // Its time constant in s; above zero.
+  float polarisation_time_constant_s;
+  // Resistance of the slower RC branch; zeros for no such branch.
+  struct VoltstepResistanceMap second_polarisation;
+  // Its time constant in s; above zero.
+  float second_polarisation_time_constant_s;
+  // Heat capacity in J/K; above zero, infinity: the temperature stays as it is.
+  float heat_capacity_j_per_k;
+  // Cooling to the surroundings in W/K; zero or above.
+  float cooling_w_per_k;
+  // Temperature of the surroundings in degC, -100..200.
+  float ambient_c;
+  // Lowest state of charge at which all this was identified, a ratio 0..1.
+  float identified_soc_min;
+  // Highest such state of charge, above the lowest, up to 1.
+  float identified_soc_max;
+  // Lowest temperature at which all this was identified, in degC, -100..200.
+  float identified_temperature_min_c;
+  // Highest such temperature in degC, not below the lowest, up to 200.
+  float identified_temperature_max_c;
+} VoltstepCellParams;
+
+// The filter: how well cell and sensors are known, as standard deviations of what stays wrong, not
+// of noise.
+typedef struct VoltstepFilterParams {
+  // Of the open-circuit curve, in V; above zero.
+  float open_circuit_sd_v;
+  // Of all resistances at 25 degC, as a ratio to them; zero or above.
+  float resistance_sd;
+  // Of their activation temperature, in K; zero or above.
+  float activation_sd_k;
+  // Of the capacity, as a ratio to it; zero or above.
+  float capacity_sd;
+  // Of the current sensor's offset, in A; zero or above.
+  float current_offset_sd_a;
+  // Of the current that flows while nothing is measured, the contactors open, in A; zero or
+  // above.
+  float standby_sd_a;
+  // Of one voltage sample, noise and resolution, in V; above zero.
+  float voltage_sd_v;
+  // Of the polarisation at a start that is not rested, in V; zero or above.
+  float polarisation_sd_v;
+  // The change of the state of charge after which the curve's error is another one, a ratio;
+  // above 0, up to 1.
+  float correlation_soc;
+  // How many times larger the model's error is outside the identified range; 1 or above.
+  float outside_factor;
+  // Where the open-circuit curve rises by less than this, in V per unit of state of charge, the
+  // voltage does not correct; zero or above.
+  float flat_v_per_soc;
+  // The standard deviation below which the state of charge counts as known, a ratio; above 0, up
+  // to 1.
+  float converged_sd;
+  // The standard deviation of the current that flows while none is measured, in A; above zero,
+  // infinity: the state of charge is unknown after any gap.
+  float unseen_current_a;
+} VoltstepFilterParams;
+
+// The coulomb counter: its sensor, and when a rest puts it right.
+typedef struct VoltstepCounterParams {
+  // Standard deviation of the cell's capacity, in A h; zero or above.
+  float capacity_sd_ah;
+  // Share of the charging current that stays in the cell; above 0, up to 1.
+  float charge_efficiency;
+  // Standard deviation of the sensor's constant offset, in A; zero or above.
+  float offset_sd_a;
+  // Standard deviation of its gain, a ratio; zero or above.
+  float gain_sd;
+  // The largest current of either sign that can flow, in A; above zero. A reading above is none.
+  float largest_current_a;
+  // Standard deviation of a rested voltage from the open-circuit curve, in V; above zero.
+  float rest_voltage_sd_v;
+  // At rest the current's magnitude is at most this, in A; above zero.
+  float rest_current_a;
+  // How long a rest takes until its voltage is believed, in s; above zero.
+  float rest_s;
+} VoltstepCounterParams;
+
+// How alike the cells in series are, and how well their voltages are measured.
+typedef struct VoltstepCellsParams {
+  // Standard deviation of the noise of a cell's voltage, in V, 1e-6..1.
+  float noise_sd_v;
+  // Standard deviation of what stays between its voltage and the curve, in V, 0..1.
+  float offset_sd_v;
+  // Standard deviation of the cells' resistances, polarisation included, in ohm, 0..1.
+  float resistance_sd_ohm;
+  // Standard deviation of their capacities, a ratio 0..1.
+  float capacity_sd;
+  // Standard deviation of their states of charge at the start, a ratio; above 0, up to 1.
+  float soc_sd;
+  // How far a cell wanders from the others in a day, as a standard deviation of the state of
+  // charge, 0..1.
+  float drift_sd_per_day;
+  // While the mean's own standard deviation is above this ratio, the cells are held; 0..1.
+  float pack_soc_sd_max;
+  // Lowest voltage that a cell can have, in V, within +-100; a reading below is none.
+  float voltage_min_v;
+  // Highest voltage that a cell can have, in V, above the lowest, within +-100.
+  float voltage_max_v;
+} VoltstepCellsParams;
+
+// How each cell's resistance is learnt.
+typedef struct VoltstepCellResistancesParams {
+  // Of a new cell between two samples, about its series resistance, in ohm; above zero.
+  float resistance_ohm;
+  // How alike the cells are: standard deviation as a ratio to that; above zero.
+  float spread_sd;
+  // Standard deviation of the noise of a cell's voltage, in V; above zero.
+  float noise_sd_v;
+  // The smallest change of the current to learn from, in A; above zero.
+  float least_step_a;
+  // How many such changes are remembered; above 1.
+  float memory_steps;
+} VoltstepCellResistancesParams;
+
+// How the resistance of the mean is learnt.
+typedef struct VoltstepResistanceParams {
+  // Standard deviation of a voltage reading, quantum included, in V; above zero.
+  float voltage_sd_v;
+  // Standard deviation of a current reading, quantum included, in A; above zero.
+  float current_sd_a;
+  // The smallest change of the current to learn from, in A; above zero.
+  float least_step_a;
+  // How many such changes are remembered; above 1.
+  float memory_steps;
+  // Standard deviation of the factor before anything was learnt; above zero.
+  float initial_sd;
+  // Voltage and current of a sample may be so far apart in time, in s; zero or above.
+  float skew_s;
+} VoltstepResistanceParams;
+
+// How the capacity is learnt.
+typedef struct VoltstepCapacityParams {
+  // Standard deviation of the cell's capacity before anything was learnt, in A h; above zero.
+  float nominal_sd_ah;
+  // Standard deviation of the noise of one current reading, in A; zero or above.
+  float current_noise_sd_a;
+  // Standard deviation of the sensor's constant offset, in A; above zero.
+  float current_offset_sd_a;
+  // Standard deviation of its gain, a ratio; zero or above.
+  float current_gain_sd;
+  // The smallest change of the state of charge to learn from, a ratio; above zero.
+  float least_soc_change;
+  // The same in multiples of its own standard deviation; above zero.
+  float least_soc_change_sds;
+  // How many pairs of rests are remembered; above 1.
+  float memory_pairs;
+} VoltstepCapacityParams;
+
+// The share of the largest current at a temperature: none outside, all within, a line in between.
+// In degC, each not below the one before.
+typedef struct VoltstepTemperatureWindow {
+  // None below.
+  float none_below_c;
+  // All from here on.
+  float all_from_c;
+  // All up to here.
+  float all_to_c;
+  // None above.
+  float none_above_c;
+} VoltstepTemperatureWindow;
+
+// The limits that the state of power keeps, beside the cell's largest currents.
+typedef struct VoltstepPowerParams {
+  // Lowest voltage at the terminals, in V; above zero.
+  float voltage_min_v;
+  // Highest voltage at the terminals, in V; above the lowest.
+  float voltage_max_v;
+  // Lowest state of charge, a ratio 0..1.
+  float soc_min;
+  // Highest state of charge, above the lowest, up to 1.
+  float soc_max;
+  // How many standard deviations to stay away from every limit; zero or above.
+  float margin_sds;
+  // How long the currents must hold, in s; above zero and rising.
+  float horizons_s[VOLTSTEP_HORIZONS];
+  // Temperatures at which it may be discharged.
+  struct VoltstepTemperatureWindow discharge_window;
+  // Temperatures at which it may be charged.
+  struct VoltstepTemperatureWindow charge_window;
+} VoltstepPowerParams;
+
+// What counts as empty and as full.
+typedef struct VoltstepEnergyParams {
+  // State of charge at which it counts as empty, a ratio 0..1.
+  float empty_soc;
+  // State of charge at which it counts as full, above that, up to 1.
+  float full_soc;
+  // Voltage at the terminals at which it counts as empty, too, in V; 0 for none.
+  float empty_v;
+  // A current below this is none, for the times, in A; above zero.
+  float least_a;
+} VoltstepEnergyParams;
+
+// Everything that the estimators are told. Start from `voltstep_estimator_params_preset` and change
+// what differs. All in the units of one cell, or all in those of a pack as one.
+typedef struct VoltstepEstimatorParams {
+  // `VOLTSTEP_ABI`.
+  uint32_t abi;
+  // The cell.
+  struct VoltstepCellParams cell;
+  // The filter.
+  struct VoltstepFilterParams filter;
+  // The coulomb counter.
+  struct VoltstepCounterParams counter;
+  // The cells in series.
+  struct VoltstepCellsParams cells;
+  // Their resistances.
+  struct VoltstepCellResistancesParams cell_resistances;
+  // Resistance of the mean.
+  struct VoltstepResistanceParams resistance;
+  // Capacity of the mean.
+  struct VoltstepCapacityParams capacity;
+  // State of power.
+  struct VoltstepPowerParams power;
+  // Energy and time left.
+  struct VoltstepEnergyParams energy;
+} VoltstepEstimatorParams;
+
+// What was learnt of the resistance. Opaque; a snapshot is a copy.
+typedef struct VoltstepResistanceState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_RESISTANCE_STATE_WORDS];
+} VoltstepResistanceState;
+
+// What was learnt of the resistance.
+typedef struct VoltstepResistanceOutputs {
+  // The resistances are larger by this factor.
+  float factor;
+  // Its standard deviation.
+  float factor_sd;
+  // This sample changed it.
+  bool learned;
+  // The factor lies at the end of what is believed: the readings are out of step, or not of this
+  // cell.
+  bool at_bound;
+  // The input was not finite or absurd; the factor is unchanged.
+  bool rejected;
+} VoltstepResistanceOutputs;
+
+// What was learnt of the capacity. Opaque; a snapshot is a copy.
+typedef struct VoltstepCapacityState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_CAPACITY_STATE_WORDS];
+} VoltstepCapacityState;
+
+// Two instants whose state of charge is known from their voltage, and what flowed between them.
+typedef struct VoltstepCapacityInput {
+  // What was believed at the first.
+  struct VoltstepEstimate start;
+  // What was believed at the second.
+  struct VoltstepEstimate end;
+  // Charge discharged from the first to the second in A h, negative when charged.
+  float discharged_ah;
+  // Time from the first to the second in s; zero or above.
+  float duration_s;
+} VoltstepCapacityInput;
+
+// What was learnt of the capacity.
+typedef struct VoltstepCapacityOutputs {
+  // Charge between state of charge 0 and 1, in A h.
+  float capacity_ah;
+  // Its standard deviation in A h.
+  float capacity_sd_ah;
+  // This pair changed it.
+  bool learned;
+  // The last pair contradicts what was known; the standard deviation reaches to it.
+  bool contradicted;
+  // The input was not finite or absurd; nothing changed.
+  bool rejected;
+} VoltstepCapacityOutputs;
+
+// What may be drawn, or charged.
+typedef struct VoltstepAllowance {
+  // Constant current in A, zero or above in either direction.
+  float current_a;
+  // Constant power in W, zero or above in either direction.
+  float power_w;
+  // The voltage closest to its limit that this current leads to, in V.
+  float voltage_v;
+  // One of `VoltstepBoundBy`.
+  uint32_t bound_by;
+} VoltstepAllowance;
+
+// What is allowed over one length of time.
+typedef struct VoltstepPowerAhead {
+  // How long it holds, in s.
+  float horizon_s;
+  // Discharging.
+  struct VoltstepAllowance discharge;
+  // Charging.
+  struct VoltstepAllowance charge;
+} VoltstepPowerAhead;
+
+// How far the power limits have come. Opaque; a snapshot is a copy.
+typedef struct VoltstepPowerWalk {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_POWER_WALK_WORDS];
+} VoltstepPowerWalk;
+
+// The rolling averages behind the energy left. Opaque; a snapshot is a copy.
+typedef struct VoltstepEnergyState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_ENERGY_STATE_WORDS];
+} VoltstepEnergyState;
+
+// What is left until empty, at the average power of the last minute where it is discharged, else at
+// that of a five-hour discharge.
+typedef struct VoltstepEnergyReport {
+  // Charge left in A h.
+  float remaining_capacity_ah;
+  // Energy left at the terminals in W h.
+  float remaining_energy_wh;
+  // Its standard deviation in W h.
+  float remaining_energy_sd_wh;
+  // Charge from full until empty in A h.
+  float full_charge_capacity_ah;
+  // Energy from full until empty in W h.
+  float full_charge_energy_wh;
+  // Remaining over full-charge capacity, a ratio 0..1.
+  float relative_state_of_charge;
+  // Remaining capacity over that of the cell when new, a ratio that may exceed 1.
+  float absolute_state_of_charge;
+  // Remaining over full-charge energy, a ratio 0..1.
+  float state_of_energy;
+  // Time until empty in s; NaN where it is not discharged.
+  float average_time_to_empty_s;
+  // Time until full in s; NaN where it is not charged.
+  float average_time_to_full_s;
+} VoltstepEnergyReport;
+
+// What two slots hold.
+typedef struct VoltstepStored {
+  // The newest record.
+  struct VoltstepRecord record;
+  // Its sequence number.
+  uint32_t sequence;
+  // The slot for the next record, 0 or 1: never that of the newest.
+  uint32_t next_slot;
+  // The sequence number for the next record.
+  uint32_t next_sequence;
+  // A slot holds something else than a record or nothing: there may have been a newer record.
+  bool damaged;
+} VoltstepStored;
+
+// One sample of cells in series.
+typedef struct VoltstepSeriesInput {
+  // Current of one cell in A, positive when discharging; NaN where there is no usable reading.
+  float current_a;
+  // Temperature in degC.
+  float temperature_c;
+  // Other than 0: the contactors are open.
+  uint32_t contactors_open;
+} VoltstepSeriesInput;
+
+// What is believed of cells in series after a sample.
+typedef struct VoltstepSeriesOutputs {
+  // Of their mean, by the filter.
+  struct VoltstepEstimate estimate;
+  // The health of their mean.
+  struct VoltstepHealth health;
+  // State of charge of their mean by counting, a ratio 0..1.
+  float counted_soc;
+  // Its standard deviation, a ratio.
+  float counted_soc_sd;
+  // Lowest state of charge of a cell, a ratio 0..1.
+  float soc_min;
+  // Highest state of charge of a cell, a ratio 0..1.
+  float soc_max;
+  // Which cell has the lowest.
+  uint32_t soc_min_index;
+  // Which cell has the highest.
+  uint32_t soc_max_index;
+  // The filter's standard deviation is below the `converged_sd` of the parameters.
+  bool converged;
+  // The model's error, and the mean residual beside it, are of the size that is expected.
+  bool consistent;
+  // The open-circuit curve is flat here: the voltage does not correct.
+  bool flat;
+  // State of charge or temperature lie outside the identified range.
+  bool outside_identified;
+  // The temperature is not known; the last one holds.
+  bool temperature_missing;
+} VoltstepSeriesOutputs;
+
+// What is believed of one cell in series.
+typedef struct VoltstepSeriesCell {
+  // State of charge, a ratio 0..1.
+  float soc;
+  // Its standard deviation, a ratio.
+  float soc_sd;
+  // Its resistance over the mean of all, a ratio.
+  float resistance_ratio;
+  // Its standard deviation, a ratio.
+  float resistance_ratio_sd;
+  // Its voltage said nothing in the last second.
+  bool held;
+} VoltstepSeriesCell;
 
 // What is known about a battery.
 typedef struct VoltstepBatteryParams {
@@ -636,6 +1580,355 @@ typedef struct VoltstepSnapshot {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+// Starts the counter from a state of charge and its standard deviation (ratios 0..1).
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_counter_start(const struct VoltstepEstimators *estimators,
+                                      struct VoltstepCounterState *state,
+                                      float soc,
+                                      float soc_sd);
+
+// Starts the counter from the voltage of a rested battery in V; where it says nothing, with nothing
+// known.
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_counter_start_rested(const struct VoltstepEstimators *estimators,
+                                             struct VoltstepCounterState *state,
+                                             float voltage_v);
+
+// Starts the counter from a record that is `elapsed_s` seconds old (NaN: nobody knows). It takes
+// over the health.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `record` is set.
+VoltstepStatus voltstep_counter_resume(const struct VoltstepEstimators *estimators,
+                                       struct VoltstepCounterState *state,
+                                       const struct VoltstepRecord *record,
+                                       float elapsed_s);
+
+// Counts one sample of the current in A, positive when discharging; NaN where there is no usable
+// reading.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call.
+VoltstepStatus voltstep_counter_step(const struct VoltstepEstimators *estimators,
+                                     struct VoltstepCounterState *state,
+                                     float current_a);
+
+// Takes stock, about once a second: puts the count right where the battery has rested and
+// `voltage_v` (in V; NaN where there is no usable reading) knows better. `outputs` may be null.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call.
+VoltstepStatus voltstep_counter_review(const struct VoltstepEstimators *estimators,
+                                       struct VoltstepCounterState *state,
+                                       float voltage_v,
+                                       struct VoltstepCounterOutputs *outputs);
+
+// Starts the filter from a state of charge that is known from elsewhere, and its standard deviation
+// (ratios 0..1), at a temperature in degC (-100..200). The battery need not be rested.
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_filter_start(const struct VoltstepEstimators *estimators,
+                                     struct VoltstepFilterState *state,
+                                     float soc,
+                                     float soc_sd,
+                                     float temperature_c);
+
+// Starts the filter with nothing known of the state of charge, at a temperature in degC
+// (-100..200).
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_filter_start_unknown(const struct VoltstepEstimators *estimators,
+                                             struct VoltstepFilterState *state,
+                                             float temperature_c);
+
+// Starts the filter from the voltage of a rested battery in V, at a temperature in degC
+// (-100..200).
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_filter_start_rested(const struct VoltstepEstimators *estimators,
+                                            struct VoltstepFilterState *state,
+                                            float voltage_v,
+                                            float temperature_c);
+
+// Starts the filter from a record that is `elapsed_s` seconds old (NaN: nobody knows), at a
+// temperature in degC (-100..200). It takes over the health.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `record` is set.
+VoltstepStatus voltstep_filter_resume(const struct VoltstepEstimators *estimators,
+                                      struct VoltstepFilterState *state,
+                                      const struct VoltstepRecord *record,
+                                      float elapsed_s,
+                                      float temperature_c);
+
+// One sample. `outputs` may be null. `VOLTSTEP_STATUS_INPUT_REJECTED` says that current or voltage
+// was missing or absurd: the estimate is held, its uncertainty grows, the outputs are written all
+// the same. Any other error leaves everything as it was.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `input` is set.
+VoltstepStatus voltstep_filter_step(const struct VoltstepEstimators *estimators,
+                                    struct VoltstepFilterState *state,
+                                    const struct VoltstepFilterInput *input,
+                                    struct VoltstepFilterOutputs *outputs);
+
+// The filter takes over what was learnt of the health, where it is known better than was declared.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `health` is set.
+VoltstepStatus voltstep_filter_adopt(const struct VoltstepEstimators *estimators,
+                                     struct VoltstepFilterState *state,
+                                     const struct VoltstepHealth *health);
+
+// Fills `record` with what is worth keeping of the filter and the health; throughput, time and what
+// follows are left at 0.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `health` is set.
+VoltstepStatus voltstep_filter_record(const struct VoltstepEstimators *estimators,
+                                      const struct VoltstepFilterState *state,
+                                      const struct VoltstepHealth *health,
+                                      struct VoltstepRecord *record);
+
+// Fills `params` with one of `VoltstepCellPreset`.
+//
+// # Safety
+// `params` is null, or points to memory of its type that may be written.
+VoltstepStatus voltstep_estimator_params_preset(uint32_t preset,
+                                                struct VoltstepEstimatorParams *params);
+
+// Checks `params` and discretises them for samples every `dt_s` seconds. Writes `estimators` only
+// if they are good; a bad one is named by the code. The object has to stay where it is: a copy of
+// it is refused by `VOLTSTEP_STATUS_ESTIMATORS_MOVED`.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `params` is set.
+VoltstepStatus voltstep_estimators_init(struct VoltstepEstimators *estimators,
+                                        const struct VoltstepEstimatorParams *params,
+                                        float dt_s);
+
+// Sets `health` to what the parameters say before anything was learnt.
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_health_unlearnt(const struct VoltstepEstimators *estimators,
+                                        struct VoltstepHealth *health);
+
+// Starts the resistance from what is known of the health; what of it is not finite or out of range
+// is not taken.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `health` is set.
+VoltstepStatus voltstep_resistance_start(const struct VoltstepEstimators *estimators,
+                                         struct VoltstepResistanceState *state,
+                                         const struct VoltstepHealth *health);
+
+// Looks at one sample: voltage in V, current in A, positive when discharging, what is believed to
+// be in the cell. `outputs` may be null. `VOLTSTEP_STATUS_INPUT_REJECTED` says that an input was
+// not finite or absurd; the factor is unchanged, the outputs are written all the same.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `estimate` is set.
+VoltstepStatus voltstep_resistance_step(const struct VoltstepEstimators *estimators,
+                                        struct VoltstepResistanceState *state,
+                                        float voltage_v,
+                                        float current_a,
+                                        const struct VoltstepEstimate *estimate,
+                                        struct VoltstepResistanceOutputs *outputs);
+
+// Starts the capacity from what is known of the health; what of it is not finite or out of range is
+// not taken.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `health` is set.
+VoltstepStatus voltstep_capacity_start(const struct VoltstepEstimators *estimators,
+                                       struct VoltstepCapacityState *state,
+                                       const struct VoltstepHealth *health);
+
+// Looks at one pair of instants. `outputs` may be null. `VOLTSTEP_STATUS_INPUT_REJECTED` says that
+// an input was not finite or absurd; nothing changed, the outputs are written all the same.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `input` is set.
+VoltstepStatus voltstep_capacity_step(const struct VoltstepEstimators *estimators,
+                                      struct VoltstepCapacityState *state,
+                                      const struct VoltstepCapacityInput *input,
+                                      struct VoltstepCapacityOutputs *outputs);
+
+// What may be drawn and charged from now on: fills `limits`, an array of `VOLTSTEP_HORIZONS`, for
+// each length of time. Without a finite estimate, nothing. A matter for once a second:
+// `voltstep_power_walk` does the same in six shorter calls.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `estimate` and `health` are set.
+VoltstepStatus voltstep_power_ahead(const struct VoltstepEstimators *estimators,
+                                    const struct VoltstepEstimate *estimate,
+                                    const struct VoltstepHealth *health,
+                                    struct VoltstepPowerAhead *limits);
+
+// Begins to work out the power limits.
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_power_walk_start(const struct VoltstepEstimators *estimators,
+                                         struct VoltstepPowerWalk *walk);
+
+// One length of time and direction at a time. The last of six calls fills `limits`, an array of
+// `VOLTSTEP_HORIZONS`, and sets `done`; the next one begins again.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `estimate` and `health` are set.
+VoltstepStatus voltstep_power_walk(const struct VoltstepEstimators *estimators,
+                                   struct VoltstepPowerWalk *walk,
+                                   const struct VoltstepEstimate *estimate,
+                                   const struct VoltstepHealth *health,
+                                   struct VoltstepPowerAhead *limits,
+                                   bool *done);
+
+// Starts the averages behind the energy left, at rest.
+//
+// # Safety
+// Each pointer is null or points to an object of its type.
+VoltstepStatus voltstep_energy_start(const struct VoltstepEstimators *estimators,
+                                     struct VoltstepEnergyState *state);
+
+// Averages one sample: current in A, positive when discharging, voltage in V.
+// `VOLTSTEP_STATUS_INPUT_REJECTED` says that one was not finite or absurd, and was left out.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call.
+VoltstepStatus voltstep_energy_step(const struct VoltstepEstimators *estimators,
+                                    struct VoltstepEnergyState *state,
+                                    float current_a,
+                                    float voltage_v);
+
+// Says what is left, about once a second. `VOLTSTEP_STATUS_INPUT_REJECTED` says that the estimate
+// or the health was not finite or absurd; the report is not written then.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `estimate` and `health` are set.
+VoltstepStatus voltstep_energy_report(const struct VoltstepEstimators *estimators,
+                                      const struct VoltstepEnergyState *state,
+                                      const struct VoltstepEstimate *estimate,
+                                      const struct VoltstepHealth *health,
+                                      struct VoltstepEnergyReport *report);
+
+// The bytes of a slot that holds `record` under a sequence number: `bytes` is an array of
+// `VOLTSTEP_RECORD_BYTES`. A field that is out of range is named by the code.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `record` is set.
+VoltstepStatus voltstep_record_encode(const struct VoltstepRecord *record,
+                                      uint32_t sequence,
+                                      uint8_t *bytes);
+
+// What a slot of `VOLTSTEP_RECORD_BYTES` holds: a record and its sequence number, or the code that
+// says why there is none.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `bytes` is set.
+VoltstepStatus voltstep_record_decode(const uint8_t *bytes,
+                                      struct VoltstepRecord *record,
+                                      uint32_t *sequence);
+
+// What two slots of `VOLTSTEP_RECORD_BYTES` hold. `VOLTSTEP_STATUS_RECORD_BLANK` says that there is
+// no record in either; `stored` is written all the same, its record then all zero.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `first` and `second` are set.
+VoltstepStatus voltstep_record_newest(const uint8_t *first,
+                                      const uint8_t *second,
+                                      struct VoltstepStored *stored);
+
+// Starts the estimators of cells in series, 1, 4, 12, 18 or 96 of them, in `memory`: an array of
+// `words`, at least `VOLTSTEP_SERIES_WORDS + cells * VOLTSTEP_SERIES_WORDS_PER_CELL`, which a copy
+// of it may take the place of. `record` is what was remembered `elapsed_s` seconds ago (NaN: nobody
+// knows); null: nothing is known. At a temperature in degC (-100..200).
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `record` is set.
+VoltstepStatus voltstep_series_start(const struct VoltstepEstimators *estimators,
+                                     uint64_t *memory,
+                                     uint32_t words,
+                                     uint32_t cells,
+                                     const struct VoltstepRecord *record,
+                                     float elapsed_s,
+                                     float temperature_c);
+
+// One sample of cells in series: `cell_v` is an array of `cells` voltages in V, as many as at the
+// start; NaN where there is no usable reading. `outputs` may be null. Once a second it takes
+// longer: every cell, the counter's review, what was learnt goes where it is used.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call;
+// `input` and `cell_v` are set.
+VoltstepStatus voltstep_series_step(const struct VoltstepEstimators *estimators,
+                                    uint64_t *memory,
+                                    const struct VoltstepSeriesInput *input,
+                                    const float *cell_v,
+                                    uint32_t cells,
+                                    struct VoltstepSeriesOutputs *outputs);
+
+// What is believed of one of the cells in series, the first of them 0.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call.
+VoltstepStatus voltstep_series_cell(uint64_t *memory,
+                                    uint32_t index,
+                                    struct VoltstepSeriesCell *cell);
+
+// What the cells in series allow, for the limits of one cell: fills `limits`, an array of
+// `VOLTSTEP_HORIZONS`; current as it is, power of one cell. A matter for once a second:
+// `voltstep_series_power_walk` does the same in shorter calls.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call.
+VoltstepStatus voltstep_series_power(const struct VoltstepEstimators *estimators,
+                                     uint64_t *memory,
+                                     struct VoltstepPowerAhead *limits);
+
+// The same in `VOLTSTEP_SERIES_SLICES` calls, from what is believed at each of them. The last one
+// fills `limits`, an array of `VOLTSTEP_HORIZONS`, and sets `done`; the next one begins again.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call.
+VoltstepStatus voltstep_series_power_walk(const struct VoltstepEstimators *estimators,
+                                          uint64_t *memory,
+                                          struct VoltstepPowerWalk *walk,
+                                          struct VoltstepPowerAhead *limits,
+                                          bool *done);
+
+// What is left in the mean of cells in series, in the units of one cell.
+// `VOLTSTEP_STATUS_INPUT_REJECTED` says that the estimate was not finite; the report is not written
+// then.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call.
+VoltstepStatus voltstep_series_energy(const struct VoltstepEstimators *estimators,
+                                      uint64_t *memory,
+                                      struct VoltstepEnergyReport *report);
+
+// Fills `record` with what is worth keeping of cells in series; throughput, time and what follows
+// are left at 0.
+//
+// # Safety
+// Each pointer is null or points to objects of its type that nobody else uses during the call.
+VoltstepStatus voltstep_series_record(const struct VoltstepEstimators *estimators,
+                                      uint64_t *memory,
+                                      struct VoltstepRecord *record);
 
 // The words of a code: for a parameter, its field and the rule that it broke. The text is static
 // and ends with a zero; for a number that is no code it is "unknown code". Never null.

@@ -3,7 +3,7 @@
 use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::converter::ConverterParams;
@@ -12,7 +12,7 @@ use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::SocTable;
-use plant_core::powertrain::{Powertrain, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainParams, TORQUE_RATE_PER_S};
 use plant_core::presets::Vehicle;
 
 use crate::params::{
@@ -39,26 +39,30 @@ impl VoltstepParams {
                 resistance_ohm: self.auxiliary.resistance_ohm,
                 cut_out_v: self.auxiliary.cut_out_v,
             },
-            converter: ConverterParams {
-                duty_limit: self.converter.duty_limit,
-                constant_loss_w: self.converter.constant_loss_w,
-                voltage_drop_v: self.converter.voltage_drop_v,
-                resistance_ohm: self.converter.resistance_ohm,
-                current_limit_a: self.converter.current_limit_a,
-            },
-            motor: DcMotorParams {
-                resistance_ohm: self.motor.resistance_ohm,
-                inductance_h: self.motor.inductance_h,
-                back_emf_v_s_per_rad: self.motor.back_emf_v_s_per_rad,
-                torque_nm_per_a: self.motor.torque_nm_per_a,
-                inertia_kg_m2: self.motor.inertia_kg_m2,
-                viscous_nm_s_per_rad: self.motor.viscous_nm_s_per_rad,
-                coulomb_nm: self.motor.coulomb_nm,
-            },
-            gearbox: GearboxParams {
-                ratio: self.gearbox.ratio,
-                efficiency: self.gearbox.efficiency,
-                inertia_kg_m2: self.gearbox.inertia_kg_m2,
+            drives: DriveParams {
+                converter: ConverterParams {
+                    duty_limit: self.converter.duty_limit,
+                    constant_loss_w: self.converter.constant_loss_w,
+                    voltage_drop_v: self.converter.voltage_drop_v,
+                    resistance_ohm: self.converter.resistance_ohm,
+                    current_limit_a: self.converter.current_limit_a,
+                },
+                motor: DcMotorParams {
+                    resistance_ohm: self.motor.resistance_ohm,
+                    inductance_h: self.motor.inductance_h,
+                    back_emf_v_s_per_rad: self.motor.back_emf_v_s_per_rad,
+                    torque_nm_per_a: self.motor.torque_nm_per_a,
+                    inertia_kg_m2: self.motor.inertia_kg_m2,
+                    viscous_nm_s_per_rad: self.motor.viscous_nm_s_per_rad,
+                    coulomb_nm: self.motor.coulomb_nm,
+                },
+                gearbox: GearboxParams {
+                    ratio: self.gearbox.ratio,
+                    efficiency: self.gearbox.efficiency,
+                    inertia_kg_m2: self.gearbox.inertia_kg_m2,
+                },
+                torque_rate_per_s: TORQUE_RATE_PER_S,
+                torque_share: 1.0,
             },
             wheel: WheelParams {
                 radius_m: self.wheel.radius_m,
@@ -124,6 +128,7 @@ impl VoltstepBatteryParams {
             },
             discharge_limit_a: self.discharge_limit_a,
             charge_limit_a: self.charge_limit_a,
+            voltage_limits: VoltageLimits::NONE,
         })
     }
 }
@@ -198,25 +203,25 @@ impl From<&Vehicle> for VoltstepParams {
                 cut_out_v: p.auxiliary.cut_out_v,
             },
             converter: VoltstepConverterParams {
-                duty_limit: p.converter.duty_limit,
-                constant_loss_w: p.converter.constant_loss_w,
-                voltage_drop_v: p.converter.voltage_drop_v,
-                resistance_ohm: p.converter.resistance_ohm,
-                current_limit_a: p.converter.current_limit_a,
+                duty_limit: p.drives.converter.duty_limit,
+                constant_loss_w: p.drives.converter.constant_loss_w,
+                voltage_drop_v: p.drives.converter.voltage_drop_v,
+                resistance_ohm: p.drives.converter.resistance_ohm,
+                current_limit_a: p.drives.converter.current_limit_a,
             },
             motor: VoltstepMotorParams {
-                resistance_ohm: p.motor.resistance_ohm,
-                inductance_h: p.motor.inductance_h,
-                back_emf_v_s_per_rad: p.motor.back_emf_v_s_per_rad,
-                torque_nm_per_a: p.motor.torque_nm_per_a,
-                inertia_kg_m2: p.motor.inertia_kg_m2,
-                viscous_nm_s_per_rad: p.motor.viscous_nm_s_per_rad,
-                coulomb_nm: p.motor.coulomb_nm,
+                resistance_ohm: p.drives.motor.resistance_ohm,
+                inductance_h: p.drives.motor.inductance_h,
+                back_emf_v_s_per_rad: p.drives.motor.back_emf_v_s_per_rad,
+                torque_nm_per_a: p.drives.motor.torque_nm_per_a,
+                inertia_kg_m2: p.drives.motor.inertia_kg_m2,
+                viscous_nm_s_per_rad: p.drives.motor.viscous_nm_s_per_rad,
+                coulomb_nm: p.drives.motor.coulomb_nm,
             },
             gearbox: VoltstepGearboxParams {
-                ratio: p.gearbox.ratio,
-                efficiency: p.gearbox.efficiency,
-                inertia_kg_m2: p.gearbox.inertia_kg_m2,
+                ratio: p.drives.gearbox.ratio,
+                efficiency: p.drives.gearbox.efficiency,
+                inertia_kg_m2: p.drives.gearbox.inertia_kg_m2,
             },
             wheel: VoltstepWheelParams {
                 radius_m: p.wheel.radius_m,

@@ -32,7 +32,7 @@ pub struct VoltstepState {
 }
 
 /// What tells an initialised object from any other memory; it changes with the layout.
-const fn mark<T>(kind: u32) -> u32 {
+pub(crate) const fn mark<T>(kind: u32) -> u32 {
     #[expect(clippy::cast_possible_truncation, reason = "a few hundred bytes")]
     let size = size_of::<T>() as u32;
     0x5653_0000 ^ (kind << 24) ^ (VOLTSTEP_ABI << 12) ^ size
@@ -67,7 +67,7 @@ pub(crate) unsafe trait Opaque {
     const NOT_INITIALISED: VoltstepStatus;
 }
 
-const fn fits<Inside, Outside>() -> bool {
+pub(crate) const fn fits<Inside, Outside>() -> bool {
     size_of::<Inside>() <= size_of::<Outside>() && align_of::<Inside>() <= align_of::<Outside>()
 }
 
@@ -114,12 +114,17 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), VoltstepStatus> {
 /// Whether two objects share no memory.
 #[inline]
 pub(crate) fn check_apart<A, B>(a: *const A, b: *const B) -> Result<(), VoltstepStatus> {
-    let (from_a, from_b) = (a.addr(), b.addr());
-    let apart = if from_a <= from_b {
-        from_b - from_a >= size_of::<A>()
-    } else {
-        from_a - from_b >= size_of::<B>()
-    };
+    check_ranges_apart((a.addr(), size_of::<A>()), (b.addr(), size_of::<B>()))
+}
+
+/// Whether two ranges, each an address and a length, have nothing in common.
+#[inline]
+pub(crate) const fn check_ranges_apart(
+    (from_a, length_a): (usize, usize),
+    (from_b, length_b): (usize, usize),
+) -> Result<(), VoltstepStatus> {
+    let apart =
+        if from_a <= from_b { from_b - from_a >= length_a } else { from_a - from_b >= length_b };
     if apart { Ok(()) } else { Err(VoltstepStatus::Overlap) }
 }
 
@@ -128,7 +133,9 @@ pub(crate) fn check_apart<A, B>(a: *const A, b: *const B) -> Result<(), Voltstep
 /// # Safety
 /// `object` is null, or points to memory of its type that may be read.
 #[inline]
-unsafe fn inside<T: Opaque>(object: *const T) -> Result<*const T::Inside, VoltstepStatus> {
+pub(crate) unsafe fn inside<T: Opaque>(
+    object: *const T,
+) -> Result<*const T::Inside, VoltstepStatus> {
     check(object)?;
     // SAFETY: not null, aligned for u32 as `T` is, readable by the caller's promise; any four
     // bytes are a u32.
@@ -170,7 +177,10 @@ pub(crate) unsafe fn exclusive<'a, T: Opaque>(
 ///
 /// # Safety
 /// `object` is null, or points to memory of its type that may be written.
-pub(crate) unsafe fn initialise<T: Opaque>(object: *mut T, inside: T::Inside) -> VoltstepStatus {
+pub(crate) unsafe fn initialise<T: Opaque>(
+    object: *mut T,
+    inside: T::Inside,
+) -> Result<(), VoltstepStatus> {
     // SAFETY: `Inside` fits into the object (`Opaque`), so what may be written as the one may be
     // written as the other.
     unsafe { write_to(object.cast(), inside) }
@@ -181,13 +191,39 @@ pub(crate) unsafe fn initialise<T: Opaque>(object: *mut T, inside: T::Inside) ->
 /// # Safety
 /// `target` is null, or points to memory of its type that may be written.
 #[inline]
-pub(crate) unsafe fn write_to<T>(target: *mut T, value: T) -> VoltstepStatus {
-    if let Err(status) = check(target) {
-        return status;
-    }
+pub(crate) unsafe fn write_to<T>(target: *mut T, value: T) -> Result<(), VoltstepStatus> {
+    check(target)?;
     // SAFETY: not null, aligned, writable by the caller's promise; nothing there needs dropping.
     unsafe { target.write(value) };
-    VoltstepStatus::Ok
+    Ok(())
+}
+
+/// Whether a pointer that may be null can be used at all.
+#[inline]
+pub(crate) fn check_optional<T>(pointer: *const T) -> Result<(), VoltstepStatus> {
+    if pointer.is_null() { Ok(()) } else { check(pointer) }
+}
+
+/// Writes a plain value, where there is a place for it.
+///
+/// # Safety
+/// As for [`write_to`].
+#[inline]
+pub(crate) unsafe fn write_optional<T>(target: *mut T, value: T) -> Result<(), VoltstepStatus> {
+    if target.is_null() {
+        return Ok(());
+    }
+    // SAFETY: as promised by the caller.
+    unsafe { write_to(target, value) }
+}
+
+/// What a function answers.
+#[inline]
+pub(crate) fn answer(result: Result<(), VoltstepStatus>) -> VoltstepStatus {
+    match result {
+        Ok(()) => VoltstepStatus::Ok,
+        Err(status) => status,
+    }
 }
 
 /// Reads a plain value, by copy, so that it may lie anywhere.

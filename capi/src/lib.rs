@@ -1,6 +1,7 @@
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
-//! Voltstep for C: the coupled plant with its drivers, as a static library.
+//! Voltstep for C: the coupled plant with its drivers, and the estimators of a battery, as a static
+//! library.
 //!
 //! `include/voltstep.h` is made from these sources by `cargo xtask capi`. This is the only crate
 //! of the project that uses `unsafe`: C hands over raw pointers. Every function checks them (null,
@@ -14,12 +15,14 @@
 extern crate std;
 
 mod convert;
+mod estimators;
 mod handle;
 mod params;
 mod refusals;
 mod status;
 mod step;
 
+pub use estimators::*;
 pub use handle::{VOLTSTEP_PLANT_WORDS, VOLTSTEP_STATE_WORDS, VoltstepPlant, VoltstepState};
 pub use params::{
     VOLTSTEP_ABI, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams, VoltstepBatteryModel,

@@ -9,8 +9,8 @@ use plant_core::powertrain::{Limited, PowertrainInput};
 use plant_core::presets;
 
 use crate::handle::{
-    Plant, State, VoltstepPlant, VoltstepState, check, check_apart, exclusive, initialise,
-    read_from, shared, write_to,
+    Plant, State, VoltstepPlant, VoltstepState, answer, check, check_apart, check_optional,
+    exclusive, initialise, read_from, shared, write_to,
 };
 use crate::params::{VoltstepParams, VoltstepPreset};
 use crate::status::VoltstepStatus;
@@ -151,7 +151,7 @@ pub unsafe extern "C" fn voltstep_params_preset(
         _ => return VoltstepStatus::UnknownPreset,
     };
     // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
-    unsafe { write_to(params, VoltstepParams::from(vehicle)) }
+    answer(unsafe { write_to(params, VoltstepParams::from(vehicle)) })
 }
 
 /// Checks `params` and discretises them for steps of `dt_s` seconds. Writes `plant` only if they
@@ -169,11 +169,10 @@ pub unsafe extern "C" fn voltstep_plant_init(
         // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
         .and_then(|()| unsafe { read_from(params) })
         .and_then(|params| params.models(dt_s));
-    match made {
+    answer(made.and_then(|(model, driver)| {
         // SAFETY: checked above, writable by the caller's promise.
-        Ok((model, driver)) => unsafe { initialise(plant, Plant::new(model, driver)) },
-        Err(status) => status,
-    }
+        unsafe { initialise(plant, Plant::new(model, driver)) }
+    }))
 }
 
 /// A rested plant with its battery at `soc` (a ratio 0..1) that rolls at `speed_m_s` (0: it stands
@@ -194,11 +193,11 @@ pub unsafe extern "C" fn voltstep_state_init(
         let state = plant.model.at_speed(soc, speed_m_s)?;
         Ok(State::new(state, plant.model.feedback(&state)))
     });
-    match made.and_then(|made| check(state).and(check_apart(plant, state)).and(Ok(made))) {
+    answer(made.and_then(|made| {
+        check(state).and(check_apart(plant, state))?;
         // SAFETY: checked above, writable by the caller's promise.
-        Ok(made) => unsafe { initialise(state, made) },
-        Err(status) => status,
-    }
+        unsafe { initialise(state, made) }
+    }))
 }
 
 /// Sets `inputs` to a flat road without wind, brake and auxiliary load, reference and duty 0.
@@ -220,7 +219,7 @@ pub unsafe extern "C" fn voltstep_inputs_default(inputs: *mut VoltstepInputs) ->
         charge_limit_a: f32::INFINITY,
     };
     // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
-    unsafe { write_to(inputs, none) }
+    answer(unsafe { write_to(inputs, none) })
 }
 
 /// Advances `state` by one step: the driver (if the plant has one) decides on what the last step
@@ -238,9 +237,7 @@ pub unsafe extern "C" fn voltstep_step(
     inputs: *const VoltstepInputs,
     outputs: *mut VoltstepOutputs,
 ) -> VoltstepStatus {
-    if !outputs.is_null()
-        && let Err(status) = check(outputs)
-    {
+    if let Err(status) = check_optional(outputs) {
         return status;
     }
     // SAFETY: as promised by the caller; null and misaligned pointers are refused inside, and
@@ -295,7 +292,7 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
     let out = plant.model.step(&mut state.plant, input);
     state.seen = Feedback::from(&out);
     VoltstepOutputs {
-        duty: out.duty,
+        duty: out.drives.duty,
         brake_n: input.road.brake_n,
         speed_m_s: out.speed_m_s,
         distance_m: out.distance_m,
@@ -303,9 +300,9 @@ fn advance(plant: &Plant, state: &mut State, inputs: &VoltstepInputs) -> Voltste
         battery_a: out.battery_a,
         battery_v: out.battery_v,
         open_circuit_v: out.open_circuit_v,
-        motor_a: out.motor_a,
-        motor_nm: out.motor_nm,
-        motor_rad_s: out.motor_rad_s,
+        motor_a: out.drives.motor_a,
+        motor_nm: out.drives.motor_nm,
+        motor_rad_s: out.drives.motor_rad_s,
         limit_exceeded_a: out.limit_exceeded_a,
         overcharged_c: out.overcharged_c,
         limited: match out.limited {
@@ -332,7 +329,7 @@ pub unsafe extern "C" fn voltstep_state_snapshot(
 ) -> VoltstepStatus {
     // SAFETY: as promised by the caller; whether `state` was initialised is checked inside.
     let seen = unsafe { shared(state) }.map(|State { plant, seen, .. }| VoltstepSnapshot {
-        current_a: plant.current_a.into(),
+        current_a: plant.drives.into(),
         speed_m_s: plant.body.speed_m_s.into(),
         distance_m: plant.body.distance_m.into(),
         soc: plant.battery.soc.into(),
@@ -340,9 +337,6 @@ pub unsafe extern "C" fn voltstep_state_snapshot(
         battery_v: plant.battery_v,
         duty: seen.duty,
     });
-    match seen {
-        // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
-        Ok(seen) => unsafe { write_to(snapshot, seen) },
-        Err(status) => status,
-    }
+    // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
+    answer(seen.and_then(|seen| unsafe { write_to(snapshot, seen) }))
 }

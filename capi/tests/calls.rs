@@ -97,7 +97,13 @@ fn every_preset_steps_as_the_models_do() {
             assert_eq!(status, Status::Ok);
             assert_eq!(
                 [out.duty, out.brake_n, out.speed_m_s, out.soc, out.battery_a],
-                [wanted.duty, command.brake_n, wanted.speed_m_s, wanted.soc, wanted.battery_a]
+                [
+                    wanted.drives.duty,
+                    command.brake_n,
+                    wanted.speed_m_s,
+                    wanted.soc,
+                    wanted.battery_a
+                ]
             );
         }
         let now = snapshot(&state);

@@ -6,6 +6,7 @@ use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{
     BatteryParams, BranchMap, CurrentLimits, HysteresisParams, IdentifiedRange,
     MappedBatteryParams, OpenCircuit, OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+    VoltageLimits,
 };
 use plant_core::converter::{ConverterParams, Gates};
 use plant_core::machine::dc::DcMotorParams;
@@ -13,7 +14,7 @@ use plant_core::mechanics::body::{BodyParams, Road, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::slope::Grade;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainInput, PowertrainParams};
 use voltstep::read::vehicle::VehicleBattery;
 
 /// A driving cycle: read, or refused with a place.
@@ -42,7 +43,7 @@ pub fn vehicle(data: &[u8]) {
                 Powertrain::new(plant.with_battery(battery), dt).expect("checked by the reader");
             }
             VehicleBattery::Mapped(battery) => {
-                Powertrain::mapped(plant.with_battery(battery), dt).expect("checked by the reader");
+                plant.with_battery(battery).build(dt).expect("checked by the reader");
             }
         }
     }
@@ -104,32 +105,37 @@ fn plant(bits: &mut Bits<'_>) -> PowertrainParams {
             },
             discharge_limit_a: bits.next(),
             charge_limit_a: bits.next(),
+            voltage_limits: VoltageLimits { lowest_v: bits.next(), highest_v: bits.next() },
         },
         auxiliary: AuxiliaryParams {
             power_w: bits.next(),
             resistance_ohm: bits.next(),
             cut_out_v: bits.next(),
         },
-        converter: ConverterParams {
-            duty_limit: bits.next(),
-            constant_loss_w: bits.next(),
-            voltage_drop_v: bits.next(),
-            resistance_ohm: bits.next(),
-            current_limit_a: bits.next(),
-        },
-        motor: DcMotorParams {
-            resistance_ohm: bits.next(),
-            inductance_h: bits.next(),
-            back_emf_v_s_per_rad: bits.next(),
-            torque_nm_per_a: bits.next(),
-            inertia_kg_m2: bits.next(),
-            viscous_nm_s_per_rad: bits.next(),
-            coulomb_nm: bits.next(),
-        },
-        gearbox: GearboxParams {
-            ratio: bits.next(),
-            efficiency: bits.next(),
-            inertia_kg_m2: bits.next(),
+        drives: DriveParams {
+            converter: ConverterParams {
+                duty_limit: bits.next(),
+                constant_loss_w: bits.next(),
+                voltage_drop_v: bits.next(),
+                resistance_ohm: bits.next(),
+                current_limit_a: bits.next(),
+            },
+            motor: DcMotorParams {
+                resistance_ohm: bits.next(),
+                inductance_h: bits.next(),
+                back_emf_v_s_per_rad: bits.next(),
+                torque_nm_per_a: bits.next(),
+                inertia_kg_m2: bits.next(),
+                viscous_nm_s_per_rad: bits.next(),
+                coulomb_nm: bits.next(),
+            },
+            gearbox: GearboxParams {
+                ratio: bits.next(),
+                efficiency: bits.next(),
+                inertia_kg_m2: bits.next(),
+            },
+            torque_rate_per_s: bits.next(),
+            torque_share: 1.0,
         },
         wheel: WheelParams {
             radius_m: bits.next(),
@@ -152,6 +158,7 @@ fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
         capacity_ah: plain.capacity_ah,
         discharge_limit_a: plain.discharge_limit_a,
         charge_limit_a: plain.charge_limit_a,
+        voltage_limits: plain.voltage_limits,
         refresh_s: bits.next(),
         open_circuit: plain.open_circuit,
         hysteresis: HysteresisParams { half_gap_v: bits.next(), rate_per_soc: bits.next() },
@@ -169,11 +176,17 @@ fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
 
 fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     PowertrainInput {
-        gates: if bits.next() < 0.0 { Gates::Off } else { Gates::On(bits.next()) },
+        gates: match bits.next() {
+            which if which < 0.0 => Gates::Off,
+            which if which < 1.0 => Gates::Torque(bits.next()),
+            _ => Gates::On(bits.next()),
+        },
         road: Road {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),
             brake_n: bits.next(),
+            air_density_factor: bits.next(),
+            rolling_factor: bits.next(),
         },
         auxiliary_w: bits.next(),
         limits: CurrentLimits { discharge_a: bits.next(), charge_a: bits.next() },
@@ -187,7 +200,7 @@ pub fn step(data: &[u8]) {
     let Ok(dt) = Dt::from_s(bits.next()) else { return };
     let (soc, speed_m_s) = (bits.next(), bits.next());
     let params = plant(&mut bits);
-    if let Ok(plant) = Powertrain::with_ledger(params, dt)
+    if let Ok(plant) = Powertrain::new(params, dt).map(Powertrain::with_ledger)
         && let Ok(start) = plant.at_speed(soc, speed_m_s)
     {
         let (mut state, mut bits) = (start, Bits { data: bits.data, last: bits.last });
@@ -198,7 +211,7 @@ pub fn step(data: &[u8]) {
         let _ = plant.energy(&start, &state);
     }
     let battery = mapped(&mut bits, &params.battery);
-    if let Ok(plant) = Powertrain::mapped(params.with_battery(battery), dt)
+    if let Ok(plant) = params.with_battery(battery).build(dt)
         && let Ok(mut state) = plant.at_speed(soc, speed_m_s)
     {
         for _ in 0..32 {

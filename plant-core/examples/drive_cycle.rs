@@ -8,7 +8,7 @@ use plant_core::{
 };
 
 const DT: Dt = must!(Dt::from_s(0.001));
-const PLANT: Powertrain<EnergyLedger> = must!(Powertrain::with_ledger(CAR.powertrain, DT));
+const PLANT: Powertrain<EnergyLedger> = must!(Powertrain::new(CAR.powertrain, DT)).with_ledger();
 const DRIVER: Driver = must!(Driver::new(CAR.driver, &CAR.powertrain, DT));
 
 /// Seconds and metres per second.

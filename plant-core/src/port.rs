@@ -2,7 +2,8 @@
 //!
 //! Going down the chain, each component offers the next one a straight line: how its answer depends
 //! on the increment that is not known yet ([`Source`], [`DriveLaw`]). The vehicle at the end solves
-//! one equation; going back, each component settles its own state. What resists alike in every step
+//! one equation; going back, each component settles its own state. Drives on one battery share the
+//! bus voltage as well ([`BusLaw`]). What resists alike in every step
 //! ([`Coast`]) is composed down the same chain once, when the plant is made. A new machine, axle or
 //! source joins by giving the same line.
 //!
@@ -68,6 +69,82 @@ impl core::ops::Add for DriveLaw {
     #[inline]
     fn add(self, other: Self) -> Self {
         Self { effort: self.effort + other.effort, slope: self.slope + other.slope }
+    }
+}
+
+/// What drives offer over one step, their own states eliminated: lines in what they all share, the
+/// rise u of the bus voltage above some voltage near it, and the increment Δ of the road's speed.
+/// Laws on one bus and one road add.
+///
+/// `I = current_a + conductance_s·u − a_per_speed·Δ`, `F = effort + effort_per_v·u − slope·Δ`, I
+/// positive when it leaves the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BusLaw {
+    /// Current if voltage and speed stayed as they are \[A\].
+    pub current_a: Real,
+    /// How much more a voltage draws \[S\].
+    pub conductance_s: Real,
+    /// How much a speed increment lowers the current.
+    pub a_per_speed: Real,
+    /// Force if voltage and speed stayed as they are \[N\].
+    pub effort: Real,
+    /// How much more a voltage gives.
+    pub effort_per_v: Real,
+    /// How much a speed increment lowers the force.
+    pub slope: Real,
+}
+
+impl core::ops::Add for BusLaw {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            current_a: self.current_a + other.current_a,
+            conductance_s: self.conductance_s + other.conductance_s,
+            a_per_speed: self.a_per_speed + other.a_per_speed,
+            effort: self.effort + other.effort,
+            effort_per_v: self.effort_per_v + other.effort_per_v,
+            slope: self.slope + other.slope,
+        }
+    }
+}
+
+/// The rise of a bus voltage under all that draws from it: `u = idle_v + v_per_speed·Δ`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BusRise {
+    /// If the speed stayed as it is \[V\].
+    pub idle_v: Real,
+    /// How much a speed increment adds.
+    pub v_per_speed: Real,
+}
+
+impl BusRise {
+    /// Once the speed increment is known \[V\].
+    #[inline]
+    #[must_use]
+    pub const fn at(self, speed_increment: Real) -> Real {
+        self.idle_v + self.v_per_speed * speed_increment
+    }
+}
+
+impl BusLaw {
+    /// On a source, which eliminates the voltage: with `ρ = R/(1 + R·ΣY)`,
+    /// `u = (E − V_0 − R·ΣI_0)/(1 + R·ΣY) + ρ·ΣT·Δ`, `V_0` = `from_v` being the voltage that the laws
+    /// count from. Nothing is lost where the rise is small against it.
+    #[inline(always)]
+    #[must_use]
+    pub const fn on(self, source: Source, from_v: Real) -> (DriveLaw, BusRise) {
+        let share = 1.0 / (1.0 + source.resistance_ohm * self.conductance_s);
+        let idle_v = ((source.emf_v - from_v) - source.resistance_ohm * self.current_a) * share;
+        let v_per_speed = source.resistance_ohm * share * self.a_per_speed;
+        (
+            DriveLaw {
+                effort: self.effort + self.effort_per_v * idle_v,
+                slope: self.slope - self.effort_per_v * v_per_speed,
+            },
+            BusRise { idle_v, v_per_speed },
+        )
     }
 }
 
@@ -174,6 +251,29 @@ mod tests {
         assert!((s.voltage_v(0.0) - 399.0 / 1.05).abs() < 1e-3);
         assert!((s.voltage_v(10.0) - 394.0 / 1.05).abs() < 1e-3);
         assert_eq!(Source::stiff(12.0).voltage_v(1e6), 12.0);
+    }
+
+    #[test]
+    fn a_bus_law_on_a_source_solves_both_equations() {
+        let one = BusLaw {
+            current_a: -20.0,
+            conductance_s: 0.1,
+            a_per_speed: 3.0,
+            effort: -500.0,
+            effort_per_v: 4.0,
+            slope: 90.0,
+        };
+        let source = Source { emf_v: 400.0, resistance_ohm: 0.5 };
+        for law in [one, one + one] {
+            let (drive, rise) = law.on(source, 380.0);
+            for increment in [0.0, 1.0, -2.0] {
+                let u = rise.at(increment);
+                let a = law.current_a + law.conductance_s * u - law.a_per_speed * increment;
+                assert!((source.voltage_v(a) - 380.0 - u).abs() < 1e-3, "{u}");
+                let n = law.effort + law.effort_per_v * u - law.slope * increment;
+                assert!((drive.effort - drive.slope * increment - n).abs() < 1e-2, "{n}");
+            }
+        }
     }
 
     #[test]

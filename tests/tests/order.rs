@@ -183,12 +183,13 @@ fn plant_at_duty(vehicle: &Vehicle, n: u32, pick: usize) -> Vec<f64> {
     let h = LONGEST_S / f64::from(1_u32 << n);
     let plant = Powertrain::new(vehicle.powertrain, dt(h)).unwrap();
     let mut s = plant.at_speed(0.8, 10.0).unwrap();
-    let idle = vehicle.powertrain.motor.back_emf_v_s_per_rad * plant.motor_rad_per_m() * 10.0;
+    let idle =
+        vehicle.powertrain.drives.motor.back_emf_v_s_per_rad * plant.motor_rad_per_m() * 10.0;
     let duty = idle / s.battery_v;
     at_common_instants(LONGEST_S, n, 1.0, |t| {
         let duty = duty * (1.0 + 0.3 * smooth(t + h));
         let out = plant.step(&mut s, PowertrainInput::on(duty));
-        [out.speed_m_s, out.motor_a][pick]
+        [out.speed_m_s, out.drives.motor_a][pick]
     })
 }
 
@@ -333,13 +334,13 @@ macro_rules! in_precision {
                     let plant = Powertrain::new(EPOWERTRAIN_UDDS.powertrain, dt(ratio * WINDING_S))
                         .unwrap();
                     let mut s = plant.at_speed(0.8, 20.0).unwrap();
-                    s.current_a = Accum::new(50.0);
+                    s.drives = Accum::new(50.0);
                     let mass = plant.moving_mass_kg();
                     let stored = |v: $real, i: $real| 0.5 * mass * v * v + 0.5e-3 * i * i;
                     let mut before = stored(20.0, 50.0);
                     for _ in 0..20_000 {
                         let out = plant.step(&mut s, PowertrainInput::on(0.0));
-                        let now = stored(out.speed_m_s, out.motor_a);
+                        let now = stored(out.speed_m_s, out.drives.motor_a);
                         assert!(now <= before * (1.0 + $steady), "{ratio}: {before} to {now}");
                         before = now;
                     }
@@ -358,7 +359,7 @@ macro_rules! in_precision {
                     for _ in 0..super::count((60.0 / h).clamp(200.0, 6e5).into()) {
                         plant.step(&mut s, input);
                     }
-                    (h, s.body.speed_m_s.get(), s.current_a.get())
+                    (h, s.body.speed_m_s.get(), s.drives.get())
                 });
                 for (h, speed, current) in ends {
                     let (_, first_speed, first_current) = ends[1];

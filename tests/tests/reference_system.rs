@@ -3,13 +3,11 @@
 //! The targets are recomputations of `EPowertrain2025` with adaptive solvers, at tolerances of
 //! 1e-8 (UDDS) and 1e-10 (motor), not its printed figures.
 
-use plant_core::Dt;
-use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorParams, DcMotorState};
-use plant_core::presets::{MOTOR_MOMENTS, MOTOR_PASEK};
 use voltstep::read::{input, vehicle};
 use voltstep::simulate::mode::Mode;
 use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::replay::{self, Options, Replay};
+use voltstep::verify::experiment::{self, EXPERIMENTS, Outcome};
 
 /// How close a figure must come.
 #[derive(Clone, Copy)]
@@ -24,7 +22,7 @@ use Within::{Absolute, Relative};
 /// A figure: its name, what it must be, how closely.
 type Target = (&'static str, f64, Within);
 
-/// `epowertrain-udds` at 0.1 ms.
+/// `epowertrain-udds` at 0.05 ms.
 const UDDS: [Target; 7] = [
     // The step's own error is below 1e-5, the target has six digits.
     ("soc_final", 0.742_094, Absolute(2e-5)),
@@ -65,52 +63,6 @@ const UDDS_PUBLISHED: [Target; 2] =
 
 /// The ledger is compensated sums in single precision: some 1e-8 over 27 million steps.
 const RESIDUAL: f64 = 1e-6;
-
-/// Steady values are exact but for single precision; the targets have four digits.
-const STEADY: Within = Relative(0.005);
-/// Peaks: to first order in the step of 10 µs; the targets have four digits.
-const PEAK: Within = Relative(0.01);
-/// The maximum is flat and the targets are printed to 0.1 ms.
-const PEAK_TIME: Within = Absolute(2e-3);
-
-/// The motor's step 60 → 248 V: before, peak, after.
-const MOTOR_STEPS: [(&str, DcMotorParams, [Target; 6]); 4] = [
-    ("Pasek", MOTOR_PASEK, motor_targets(true, 4.674, 29.5e-3)),
-    ("Moments", MOTOR_MOMENTS, motor_targets(true, 4.081, 41.6e-3)),
-    ("Pasek, no static torque", without_static(MOTOR_PASEK), motor_targets(false, 4.578, 29.5e-3)),
-    (
-        "Moments, no static torque",
-        without_static(MOTOR_MOMENTS),
-        motor_targets(false, 3.985, 41.6e-3),
-    ),
-];
-
-/// Measured currents before and after the step; static torque is what explains them.
-const MOTOR_MEASURED_A: [(&str, f64, Within); 2] =
-    [("before_a", 0.113, Relative(0.01)), ("after_a", 0.167, Relative(0.01))];
-
-const fn without_static(params: DcMotorParams) -> DcMotorParams {
-    DcMotorParams { coulomb_nm: 0.0, ..params }
-}
-
-/// Steady values do not depend on inductance and inertia, in which the two sets differ.
-const fn motor_targets(static_torque: bool, peak_a: f64, peak_s: f64) -> [Target; 6] {
-    // Without static torque the speed after is published; the others follow from
-    // R·b·ω/K + K·ω = V by hand.
-    let [before_a, before_rpm, after_a, after_rpm] = if static_torque {
-        [0.1129, 407.9, 0.1661, 1753.0]
-    } else {
-        [0.016_99, 429.29, 0.070_22, 1774.4]
-    };
-    [
-        ("before_a", before_a, STEADY),
-        ("before_rpm", before_rpm, STEADY),
-        ("peak_a", peak_a, PEAK),
-        ("peak_s", peak_s, PEAK_TIME),
-        ("after_a", after_a, STEADY),
-        ("after_rpm", after_rpm, STEADY),
-    ]
-}
 
 /// Whether a figure is as close as it must be.
 fn near(obtained: f64, target: f64, within: Within) -> bool {
@@ -163,13 +115,6 @@ fn figures(vehicle: &str, dt_ms: f64) -> Vec<(&'static str, f64)> {
 }
 
 #[test]
-fn udds_at_0_1_ms() {
-    let figures = figures("epowertrain-udds", 0.1);
-    check("UDDS", &figures, &UDDS);
-    check("UDDS as published", &figures, &UDDS_PUBLISHED);
-}
-
-#[test]
 fn udds_at_1_ms() {
     check("UDDS at 1 ms", &figures("epowertrain-udds", 1.0), &UDDS_AT_1_MS);
 }
@@ -177,7 +122,9 @@ fn udds_at_1_ms() {
 /// The longest of all: 27 million steps.
 #[test]
 fn udds_at_0_05_ms() {
-    check("UDDS at 0.05 ms", &figures("epowertrain-udds", 0.05), &UDDS);
+    let figures = figures("epowertrain-udds", 0.05);
+    check("UDDS at 0.05 ms", &figures, &UDDS);
+    check("UDDS as published", &figures, &UDDS_PUBLISHED);
 }
 
 #[test]
@@ -203,51 +150,40 @@ fn the_ledger_does_not_change_the_run() {
     assert!(without.summary.energy.is_none() && without.summary.energy_residual_rel.is_none());
 }
 
-/// 60 V until steady, then 248 V, in steps of 10 µs.
-fn motor_step(params: DcMotorParams) -> Vec<(&'static str, f64)> {
-    const DT_S: f32 = 1e-5;
-    const STEPS: u32 = 200_000;
-    const RPM_PER_RAD_S: f64 = 30.0 / std::f64::consts::PI;
-    let motor = DcMotor::new(params, Dt::from_s(DT_S).unwrap()).unwrap();
-    let mut state = DcMotorState::default();
-    let mut run = |voltage_v| -> Vec<DcMotorOutput> {
-        let input = DcMotorInput { voltage_v, load_nm: 0.0 };
-        (0..STEPS).map(|_| motor.step(&mut state, input)).collect()
-    };
-    let before = *run(60.0).last().unwrap();
-    let after = run(248.0);
-    let end = *after.last().unwrap();
-    let mut times_s = (1..=STEPS).map(|n| f64::from(n) * f64::from(DT_S));
-    let (peak_s, peak) = times_s
-        .by_ref()
-        .zip(&after)
-        .max_by(|a, b| a.1.current_a.total_cmp(&b.1.current_a))
-        .unwrap();
-    vec![
-        ("before_a", before.current_a.into()),
-        ("before_rpm", f64::from(before.speed_rad_s) * RPM_PER_RAD_S),
-        ("peak_a", peak.current_a.into()),
-        ("peak_s", peak_s),
-        ("after_a", end.current_a.into()),
-        ("after_rpm", f64::from(end.speed_rad_s) * RPM_PER_RAD_S),
-    ]
-}
-
+/// The experiments of `voltstep experiment`: motor step, converter bench, UDDS in steps of 0.1 ms,
+/// the synchronous machine.
 #[test]
-fn the_step_of_the_dc_motor() {
-    for (name, params, targets) in MOTOR_STEPS {
-        check(name, &motor_step(params), &targets);
+fn every_experiment_comes_to_its_figures() {
+    for experiment in EXPERIMENTS {
+        let Outcome { name, figures, record, .. } = experiment.run().unwrap();
+        let judged = figures.iter().filter(|f| f.pass.is_some()).count();
+        println!("{name}: {judged} figures, {} rows", record.time_s.len());
+        assert!(judged > 5 && record.time_s.len() > 1000, "{name}");
+        assert!(record.columns.iter().all(|c| c.len() == record.time_s.len()), "{name}");
+        for figure in figures {
+            assert_ne!(figure.pass, Some(false), "{name}: {figure:?}");
+        }
     }
 }
 
 #[test]
 fn static_torque_explains_the_measured_currents() {
-    for params in [MOTOR_PASEK, MOTOR_MOMENTS] {
-        check("measured", &motor_step(params), &MOTOR_MEASURED_A);
-        let without = motor_step(without_static(params));
-        for (name, measured_a, _) in MOTOR_MEASURED_A {
-            let obtained = without.iter().find(|f| f.0 == name).unwrap().1;
-            assert!(obtained < 0.5 * measured_a, "{name} {obtained}");
+    let figures = experiment::by_name("motor-step").unwrap().run().unwrap().figures;
+    let figure = |case: &str, quantity: &str| {
+        figures.iter().find(|f| f.name.ends_with(case) && f.quantity == quantity).unwrap().clone()
+    };
+    for set in ["Pasek", "Moments"] {
+        for volts in [60, 248] {
+            let with = figure(
+                &format!("{set}, with static torque"),
+                &format!("measured current at {volts} V [A]"),
+            );
+            let without = figure(
+                &format!("{set}, without static torque"),
+                &format!("current at {volts} V [A]"),
+            );
+            assert_eq!(with.pass, Some(true));
+            assert!(without.obtained.unwrap() < 0.5 * with.target.unwrap(), "{without:?}");
         }
     }
 }

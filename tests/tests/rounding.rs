@@ -44,7 +44,7 @@ macro_rules! in_precision {
             pub fn udds(points: &[(f32, f32)], times: u32) -> Figures {
                 let dt = Dt::from_s(1e-3).unwrap();
                 let vehicle = &EPOWERTRAIN_UDDS;
-                let plant = Powertrain::with_ledger(vehicle.powertrain, dt).unwrap();
+                let plant = Powertrain::new(vehicle.powertrain, dt).unwrap().with_ledger();
                 let driver = Driver::new(vehicle.driver, &vehicle.powertrain, dt).unwrap();
                 let mut state = plant.at_rest(vehicle.initial_soc).unwrap();
                 let mut driving = DriverState::default();

@@ -1,5 +1,5 @@
-//! The C interface: its header is up to date, and a C program on it gives the golden bits, on this
-//! machine and on a Cortex-M4F in QEMU.
+//! The C interface: its header is up to date, and C programs on it give the golden bits of the plant
+//! and those of the estimators in Rust, on this machine and on a Cortex-M4F in QEMU.
 
 use std::fmt::Write;
 use std::fs;
@@ -21,8 +21,11 @@ const GOLDEN: &str = "firmware-example/golden.toml";
 /// The vehicles that the example drives. The interface has no battery with a map.
 const VEHICLES: &[&str] = &["epowertrain-udds", "bmw-i3-60ah-constant"];
 const CYCLE: &str = "data/cycles/udds.csv";
-/// The example, and what goes with it here and on target.
-const EXAMPLE: &str = "capi/example/main.c";
+/// The examples, and what goes with them here and on target.
+const PLANT: &str = "capi/example/main.c";
+const ESTIMATORS: &str = "capi/example/estimators.c";
+/// The second of them in Rust.
+const IN_RUST: &str = "estimators";
 pub const HERE: &str = "capi/example/host.c";
 /// Reset and memory map of a C program in QEMU.
 pub const STARTUP: &str = "capi/example/mps2.c";
@@ -40,8 +43,13 @@ pub fn capi() -> Result<()> {
     header()?;
     let folder = folder()?;
     let golden = fs::read_to_string(root().join(GOLDEN)).context(GOLDEN)?;
-    for said in [here(&folder)?, on_target(&folder)?] {
+    for said in [here(&folder, PLANT)?, on_target(&folder, PLANT)?] {
         compare(&said, &golden, VEHICLES)?;
+    }
+    let in_rust = output(cargo().args(["run", "--quiet", "-p", PACKAGE, "--example", IN_RUST]))?;
+    let wanted = said_hash(&in_rust, IN_RUST)?;
+    for said in [here(&folder, ESTIMATORS)?, on_target(&folder, ESTIMATORS)?] {
+        demand(&said, wanted)?;
     }
     Ok(())
 }
@@ -103,20 +111,20 @@ pub fn library(target: Option<&str>) -> Result<PathBuf> {
     Ok(folder.join("release").join(LIBRARY))
 }
 
-fn here(folder: &Path) -> Result<String> {
+fn here(folder: &Path, example: &str) -> Result<String> {
     let binary = folder.join("example");
     run(program("cc")
         .args(WARNINGS)
         .args(["-O2", SAME_BITS, "-Icapi/include", "-I"])
         .arg(folder)
-        .args([EXAMPLE, HERE])
+        .args([example, HERE])
         .arg(library(None)?)
         .args(["-lpthread", "-ldl", "-lm", "-o"])
         .arg(&binary))?;
     output(&mut program(&binary.to_string_lossy()))
 }
 
-fn on_target(folder: &Path) -> Result<String> {
+fn on_target(folder: &Path, example: &str) -> Result<String> {
     let elf = folder.join("example.elf");
     run(program("arm-none-eabi-gcc")
         .args(WARNINGS)
@@ -124,7 +132,7 @@ fn on_target(folder: &Path) -> Result<String> {
         .args(["-O2", SAME_BITS, "-ffunction-sections", "-Wl,--gc-sections"])
         .args(["-Icapi/include", "-I"])
         .arg(folder)
-        .args([EXAMPLE, STARTUP])
+        .args([example, STARTUP])
         .arg(library(Some(TARGET))?)
         .args(["-nostdlib", "-lgcc", "-Wl,-z,noexecstack", "-T", MAP, "-o"])
         .arg(&elf))?;
@@ -141,10 +149,23 @@ fn compare(said: &str, golden: &str, vehicles: &[&str]) -> Result<()> {
             .split_once(&format!("\n[{name}]\n"))
             .with_context(|| format!("{GOLDEN} has no `{name}`"))?;
         let hash = section.split('"').nth(1).context("a section has no hash")?;
-        let wanted = format!("{name} hash {hash}");
-        ensure!(said.lines().any(|line| line == wanted), "wanted `{wanted}`, found:\n{said}");
-        println!("{wanted}");
+        demand(said, &format!("{name} hash {hash}"))?;
     }
+    Ok(())
+}
+
+/// The line in which a program said its hash of something.
+fn said_hash<'a>(said: &'a str, name: &str) -> Result<&'a str> {
+    let start = format!("{name} hash ");
+    said.lines()
+        .find(|line| line.starts_with(&start))
+        .with_context(|| format!("no hash of `{name}` in:\n{said}"))
+}
+
+/// A program said this line.
+fn demand(said: &str, wanted: &str) -> Result<()> {
+    ensure!(said.lines().any(|line| line == wanted), "wanted `{wanted}`, found:\n{said}");
+    println!("{wanted}");
     Ok(())
 }
 
@@ -160,6 +181,10 @@ mod tests {
         assert!(compare("a hash 01\nb hash 03\n", golden).is_err());
         assert!(compare("a hash 01\n", golden).is_err());
         assert!(compare("a hash 01\nb hash 02\n", "").is_err());
+        assert_eq!(said_hash("a soc 1\na hash 01\n", "a").unwrap(), "a hash 01");
+        assert!(said_hash("b hash 01\n", "a").is_err());
+        assert!(demand("a hash 01\n", "a hash 01").is_ok());
+        assert!(demand("a hash 02\n", "a hash 01").is_err());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a command prints and a document shows, and the plot of the README.
+//! What a command prints and a document shows, and the plots of the documents.
 //!
 //! A block stands between `<!-- generated: ARGUMENTS -->` and `<!-- end -->`, in any of the
 //! documents; it holds what `voltstep ARGUMENTS` prints, without the lines that differ from run to
@@ -15,8 +15,15 @@ use crate::firmware;
 use crate::metadata::Metadata;
 use crate::shell::{cargo, output};
 
-/// The replay whose plot sheet the README shows, and where it is kept.
-const PLOT: (&str, &str) = ("replay udds", "docs/src/udds.svg");
+/// The commands whose plot sheets the documents show, and where these are kept.
+const PLOTS: [(&str, &str); 6] = [
+    ("replay udds", "docs/src/udds.svg"),
+    ("experiment motor-step", "docs/src/experiments/motor-step.svg"),
+    ("experiment converter-bench", "docs/src/experiments/converter-bench.svg"),
+    ("experiment udds-energy", "docs/src/experiments/udds-energy.svg"),
+    ("experiment pmsm-start", "docs/src/experiments/pmsm-start.svg"),
+    ("experiment pmsm-field-weakening", "docs/src/experiments/pmsm-field-weakening.svg"),
+];
 /// The block that holds the accuracy table, and the cases of `voltstep validate` that it shows.
 const ACCURACY: &str = "validate --json";
 const CASES: &[&str] = &[
@@ -45,11 +52,14 @@ pub fn generated() -> Result<()> {
             stale.push(document.path.display().to_string());
         }
     }
-    let plot = folder.join(folder_name(PLOT.0)).join("report.svg");
-    let plot = fs::read_to_string(plot).context("no document shows the replay of the plot")?;
-    if fs::read_to_string(firmware::root().join(PLOT.1)).ok().as_ref() != Some(&plot) {
-        fs::write(firmware::root().join(PLOT.1), plot)?;
-        stale.push(PLOT.1.to_owned());
+    for (arguments, kept) in PLOTS {
+        let plot = folder.join(folder_name(arguments)).join("report.svg");
+        let plot = fs::read_to_string(plot)
+            .with_context(|| format!("no document shows what `voltstep {arguments}` prints"))?;
+        if fs::read_to_string(firmware::root().join(kept)).ok().as_ref() != Some(&plot) {
+            fs::write(firmware::root().join(kept), plot)?;
+            stale.push(kept.to_owned());
+        }
     }
     ensure!(
         stale.is_empty(),
@@ -81,7 +91,7 @@ fn folder_name(arguments: &str) -> String {
 fn voltstep(arguments: &str, out: &Path) -> Result<String> {
     let mut command = cargo();
     command.args(["run", "--quiet", "--release", "--"]).args(arguments.split(' '));
-    if arguments.starts_with("replay ") {
+    if PLOTS.iter().any(|plot| plot.0 == arguments) || arguments.starts_with("replay ") {
         command.arg("--out").arg(out);
     }
     output(&mut command)

@@ -76,6 +76,11 @@ pub const LONG: &[Part] = &[
         "changes plant-core in every place; tests notice 9 of 10 (VOLTSTEP_MUTANTS_SHARD)",
         crate::mutants::mutants,
     ),
+    part(
+        "fastsim",
+        "times a replay against FASTSim (VOLTSTEP_PYTHON names a Python that has it)",
+        fastsim,
+    ),
     part("presets", "writes the batteries of plant-core from their files", generate::presets),
     part("trip", "writes the synthetic trip and its true parameters", generate::trip),
 ];
@@ -102,6 +107,16 @@ fn fuzz() -> Result<()> {
         .context("`cargo install cargo-fuzz` installs it; it needs a nightly toolchain")?;
     }
     Ok(())
+}
+
+/// The Python that has the package.
+const PYTHON: &str = "VOLTSTEP_PYTHON";
+
+fn fastsim() -> Result<()> {
+    run(cargo().args(["build", "--release", "-p", "voltstep"]))?;
+    let command = Metadata::load()?.target_directory()?.join("release/voltstep");
+    let python = std::env::var(PYTHON).unwrap_or_else(|_| "python3".to_owned());
+    run(program(&python).arg("xtask/time_fastsim.py").arg(command))
 }
 
 /// Cargo of another toolchain.

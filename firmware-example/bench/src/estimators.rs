@@ -21,12 +21,13 @@ const NOMINAL_V: f32 = 3.65;
 /// Cells of the pack.
 pub const CELLS: usize = 18;
 /// The temperature \[°C\].
-const TEMPERATURE_C: f32 = 25.0;
+pub const TEMPERATURE_C: f32 = 25.0;
 
 /// The filter.
 pub const EKF: Ekf = must!(Ekf::new(EkfParams::typical(CELL, NOMINAL_V), SAMPLE));
 const KNOWN: Uncertainty = Uncertainty::typical(NOMINAL_V, CELL.capacity_ah);
-const COUNTER: CoulombCounter = must!(CoulombCounter::new(
+/// The counter.
+pub const COUNTER: CoulombCounter = must!(CoulombCounter::new(
     CoulombParams {
         capacity_ah: CELL.capacity_ah,
         capacity_sd_ah: KNOWN.capacity_sd * CELL.capacity_ah,
@@ -41,21 +42,20 @@ const COUNTER: CoulombCounter = must!(CoulombCounter::new(
     },
     SAMPLE
 ));
-const OF_CELLS: Cells = must!(Cells::new(
-    CellsParams {
-        open_circuit: CELL.open_circuit,
-        noise_sd_v: 0.002,
-        offset_sd_v: 0.002,
-        resistance_sd_ohm: 0.003,
-        capacity_sd: 0.02,
-        soc_sd: 0.02,
-        drift_sd_per_day: 0.001,
-        pack_soc_sd_max: 0.2,
-        voltage_min_v: 2.0,
-        voltage_max_v: 4.5,
-    },
-    SAMPLE
-));
+/// What is known of the cells.
+pub const KNOWN_OF_CELLS: CellsParams = CellsParams {
+    open_circuit: CELL.open_circuit,
+    noise_sd_v: 0.002,
+    offset_sd_v: 0.002,
+    resistance_sd_ohm: 0.003,
+    capacity_sd: 0.02,
+    soc_sd: 0.02,
+    drift_sd_per_day: 0.001,
+    pack_soc_sd_max: 0.2,
+    voltage_min_v: 2.0,
+    voltage_max_v: 4.5,
+};
+const OF_CELLS: Cells = must!(Cells::new(KNOWN_OF_CELLS, SAMPLE));
 
 /// What the cells are shown: the pack's estimate, their voltages, the current.
 pub type OfCells = (Estimate, [f32; CELLS], f32);

@@ -133,7 +133,7 @@ model!(
 model!(
     bench_converter,
     Converter,
-    must!(Converter::new(I3.converter)),
+    must!(Converter::new(I3.drives.converter)),
     (),
     ConverterInput,
     ConverterOutput
@@ -141,7 +141,7 @@ model!(
 model!(
     bench_dc_motor,
     DcMotor,
-    must!(DcMotor::new(I3.motor, DT)),
+    must!(DcMotor::new(I3.drives.motor, DT)),
     DcMotorState,
     DcMotorInput,
     DcMotorOutput
@@ -149,7 +149,7 @@ model!(
 model!(
     bench_gearbox,
     Gearbox,
-    must!(Gearbox::new(I3.gearbox, DT)),
+    must!(Gearbox::new(I3.drives.gearbox, DT)),
     GearboxState,
     GearboxInput,
     GearboxOutput

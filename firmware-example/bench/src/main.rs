@@ -33,6 +33,7 @@ use voltstep_trace::{
 
 use voltstep_bench::common::Common;
 use voltstep_bench::estimators::{self, Estimators};
+use voltstep_bench::pack::{self, Learnt, Rare};
 use voltstep_bench::pids::{Apart, Pids, say_hard_cases};
 use voltstep_bench::{
     call, call_functions, call_uncounted, end, fast, hprintln, items, painted, pids, report,
@@ -96,6 +97,16 @@ fn run() -> Option<()> {
         counter_review,
         cells,
         kalman,
+        resistance,
+        capacity,
+        energy_step,
+        energy_report,
+        power_ahead,
+        power_walk,
+        power_cells,
+        power_cells_walk,
+        cell_resistances,
+        series,
         deep
     );
     let mut common = Common::new()?;
@@ -125,7 +136,7 @@ fn run() -> Option<()> {
     }
     let (mut uncounted, mut apart) = (Pids::new()?, Apart::default());
 
-    let mut pack = Estimators::new()?;
+    let (mut pack, mut learnt) = (Estimators::new()?, Learnt::new()?);
 
     for step in 0..BLOCKS * STEPS_PER_BLOCK {
         let reference = REFERENCE.step(&mut common.clock, ());
@@ -201,6 +212,21 @@ fn run() -> Option<()> {
             call!(counter_step, estimators::bench_counter_step, &mut pack.counter, &counted);
             call!(cells, estimators::bench_cells, &mut pack.cells, &pack.of_cells);
             call!(kalman, estimators::bench_kalman, &mut pack.kalman, &pack.input);
+            learnt.see(&pack);
+            let l = &mut learnt;
+            call!(resistance, pack::bench_resistance, &mut l.resistance, &l.sample);
+            call!(energy_step, pack::bench_energy_step, &mut l.energy, &l.flow);
+            call!(series, pack::bench_series, &mut l.of_cells.socs, &l.cell_v);
+            let of_each = &mut l.of_cells.resistances;
+            call!(cell_resistances, pack::bench_cell_resistances, of_each, &l.cell_v);
+            if step % STEPS_PER_BLOCK == 0 {
+                let [walk, cells_walk] = &mut l.walks;
+                call!(energy_report, pack::bench_energy_report, &mut l.energy, &l.known);
+                call!(power_ahead, pack::bench_power_ahead, &mut (), &l.known);
+                call!(power_walk, pack::bench_power_walk, walk, &l.known);
+                call!(power_cells, pack::bench_power_cells, &mut (), &l.of_cells);
+                call!(power_cells_walk, pack::bench_power_cells_walk, cells_walk, &l.of_cells);
+            }
         }
         call!(time_table, items::bench_time_table, &mut table_state, &());
         call!(sine, items::bench_sine, &mut sine_state, &());
@@ -213,6 +239,14 @@ fn run() -> Option<()> {
     fast::say_errors();
     apart.say();
     pack.say();
+    learnt.say();
+    let rare = Rare {
+        capacity: &mut capacity,
+        energy_report: &mut energy_report,
+        power: [&mut power_ahead, &mut power_walk],
+        cells: [&mut power_cells, &mut power_cells_walk],
+    };
+    pack::everywhere(&mut learnt, rare)?;
     say_hard_cases()?;
 
     worst::plant_pid_off(&mut plant_pid_off)?.say("plant_pid_off");
@@ -237,6 +271,10 @@ fn run() -> Option<()> {
         num_sqrt: (), fast_sqrt: (), num_exp: (), fast_exp: (),
         ekf_update: pack.ekf, ekf_refresh: (), counter_step: pack.counter, counter_review: (),
         cells: pack.cells, kalman: pack.kalman,
+        resistance: learnt.resistance, capacity: learnt.capacity, energy_step: learnt.energy,
+        energy_report: (), power_ahead: (), power_walk: learnt.walks[0], power_cells: (),
+        power_cells_walk: (), cell_resistances: learnt.of_cells.resistances,
+        series: learnt.of_cells.socs,
     );
     hprintln!("soc {} {}", common.pid_off.seen.soc, common.torque_off.seen.soc);
     Some(())

@@ -151,7 +151,7 @@ pub fn saturating(n: u32) -> PidInput {
     PidInput { reference: if (n / 100).is_multiple_of(2) { 1.0 } else { -1.0 }, measurement: 0.0 }
 }
 
-/// What each says of two hard cases: long in saturation, then a small error the other way; and a
+/// What each says of two hard cases: long in saturation, then a small error in the other direction; and a
 /// measurement that is not a number, then a good one. `None` where [`Pids::new`] fails.
 #[must_use]
 pub fn say_hard_cases() -> Option<()> {

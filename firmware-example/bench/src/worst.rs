@@ -1,4 +1,4 @@
-//! What UDDS does not come to: battery limits both ways, an empty battery that cannot even feed the
+//! What UDDS does not come to: battery limits in both directions, an empty battery that cannot even feed the
 //! auxiliary loads, a full one, standstill, plug braking, refused inputs. Each plant goes through
 //! all of it on its painted stack, so that the stack reported is that of the worst path.
 //!

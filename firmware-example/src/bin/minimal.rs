@@ -31,7 +31,7 @@ fn main() -> ! {
         let out = CAR.step(&mut state, input);
         println!(
             "t {second} s  speed {:.3} m/s  motor {:.1} A  battery {:.1} V  soc {:.5}",
-            out.speed_m_s, out.motor_a, out.battery_v, out.soc
+            out.speed_m_s, out.drives.motor_a, out.battery_v, out.soc
         );
     }
     ExitCode::SUCCESS.exit_process();

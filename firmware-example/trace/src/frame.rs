@@ -102,7 +102,7 @@ impl Frame {
     pub fn plant<L, S: Words>(state: &RigState<L, S>) -> Self {
         let RigState { plant, seen, .. } = state;
         let mut frame = Self { words: [0; Self::MOST], length: 0, plant: 0 };
-        frame.put_sum(plant.current_a);
+        frame.put_sum(plant.drives);
         frame.put_sum(plant.body.speed_m_s);
         frame.put_sum(plant.body.distance_m);
         plant.battery.put(&mut frame);

@@ -44,17 +44,15 @@ pub const REFERENCE: TimeTable<'static> =
 /// The vehicle of the published state of charge, driven by its PID from speed to duty.
 pub const EPOWERTRAIN: Rig<NoLedger> = must!(Rig::new(&EPOWERTRAIN_UDDS, DT));
 /// The same with its energy ledger.
-pub const EPOWERTRAIN_LEDGER: Rig<EnergyLedger> = must!(Rig::with_ledger(&EPOWERTRAIN_UDDS, DT));
+pub const EPOWERTRAIN_LEDGER: Rig<EnergyLedger> = EPOWERTRAIN.with_ledger();
 /// A physical car, driven by torque, with brake blending and a lossy converter.
 pub const BMW_I3: Rig<NoLedger, MappedBattery> = must!(Rig::mapped(&BMW_I3_60AH, DT));
 /// The same with its energy ledger.
-pub const BMW_I3_LEDGER: Rig<EnergyLedger, MappedBattery> =
-    must!(Rig::mapped_with_ledger(&BMW_I3_60AH, DT));
+pub const BMW_I3_LEDGER: Rig<EnergyLedger, MappedBattery> = BMW_I3.with_ledger();
 /// The same car with a battery of constant parameters.
 pub const BMW_I3_CONSTANT: Rig<NoLedger> = must!(Rig::new(&BMW_I3_60AH_CONSTANT, DT));
 /// The same with its energy ledger.
-pub const BMW_I3_CONSTANT_LEDGER: Rig<EnergyLedger> =
-    must!(Rig::with_ledger(&BMW_I3_60AH_CONSTANT, DT));
+pub const BMW_I3_CONSTANT_LEDGER: Rig<EnergyLedger> = BMW_I3_CONSTANT.with_ledger();
 
 /// The estimators of the first's battery. Apart from the plant, whose coefficients are few.
 pub const EPOWERTRAIN_MONITOR: Monitor =

@@ -43,19 +43,6 @@ impl Rig<NoLedger> {
     }
 }
 
-impl Rig<EnergyLedger> {
-    /// The same, with an energy ledger.
-    ///
-    /// # Errors
-    /// [`ParamError`] names the first field that is out of range.
-    pub const fn with_ledger(vehicle: &Vehicle, dt: Dt) -> Result<Self, ParamError> {
-        match Powertrain::with_ledger(vehicle.powertrain, dt) {
-            Ok(plant) => Self::driven(plant, vehicle, dt),
-            Err(error) => Err(error),
-        }
-    }
-}
-
 impl Rig<NoLedger, MappedBattery> {
     /// The same with a battery whose parameters depend on state of charge and temperature.
     ///
@@ -65,25 +52,25 @@ impl Rig<NoLedger, MappedBattery> {
         vehicle: &Vehicle<MappedBatteryParams>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
-        match Powertrain::mapped(vehicle.powertrain, dt) {
-            Ok(plant) => Self::driven(plant, vehicle, dt),
-            Err(error) => Err(error),
+        let params = &vehicle.powertrain;
+        match (MappedBattery::new(params.battery, dt), params.drives.on(params.wheel, dt)) {
+            (Ok(battery), Ok(axles)) => match Powertrain::of(battery, axles, params, dt) {
+                Ok(plant) => Self::driven(plant, vehicle, dt),
+                Err(error) => Err(error),
+            },
+            (Err(error), _) | (_, Err(error)) => Err(error),
         }
     }
 }
 
-impl Rig<EnergyLedger, MappedBattery> {
+impl<B: Copy> Rig<NoLedger, B> {
     /// The same, with an energy ledger.
-    ///
-    /// # Errors
-    /// [`ParamError`] names the first field that is out of range.
-    pub const fn mapped_with_ledger(
-        vehicle: &Vehicle<MappedBatteryParams>,
-        dt: Dt,
-    ) -> Result<Self, ParamError> {
-        match Powertrain::mapped_with_ledger(vehicle.powertrain, dt) {
-            Ok(plant) => Self::driven(plant, vehicle, dt),
-            Err(error) => Err(error),
+    #[must_use]
+    pub const fn with_ledger(self) -> Rig<EnergyLedger, B> {
+        Rig {
+            plant: self.plant.with_ledger(),
+            driver: self.driver,
+            initial_soc: self.initial_soc,
         }
     }
 }

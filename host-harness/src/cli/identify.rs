@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, ensure};
 use clap::Args;
 
-use crate::identify::{self, Options};
+use crate::identify::{self, NoCapacity, Options};
 use crate::read::battery;
 use crate::show::progress::Spinner;
 use crate::show::{files, identified};
@@ -74,7 +74,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
         spinner.stage(stage);
         Ok(())
     };
-    let found = identify::identify(&arguments.inputs, options, &tick)?;
+    let found = identify::identify(&arguments.inputs, options, &tick).map_err(with_flag)?;
     let text = found.to_toml();
     // What was found must be a battery.
     battery::parse("the identified battery", text.as_bytes())?;
@@ -91,6 +91,14 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     let json = arguments.json;
     super::print(&if json { identified::json(&found)? } else { identified::render(&found) })?;
     Ok(true)
+}
+
+/// How a capacity is given here.
+fn with_flag(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast_ref() {
+        Some(NoCapacity(measurements)) => anyhow!("{measurements}, or --capacity-ah"),
+        None => error,
+    }
 }
 
 fn options(arguments: &Arguments) -> Options {

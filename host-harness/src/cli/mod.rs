@@ -11,6 +11,7 @@ use clap::{Parser, Subcommand};
 use crate::read::error::on_one_line;
 
 mod endurance;
+mod experiment;
 mod identify;
 mod list;
 mod replay;
@@ -39,6 +40,9 @@ enum Command {
     /// against what the models give; exit code 1 where a check fails. Or, with --trips or --cells,
     /// compare the models with every measurement in a folder
     Validate(validate::Arguments),
+    /// Run an experiment of the reference system, and write its figures, trace and plots; exit code
+    /// 1 where a figure is off. Without a name: list them
+    Experiment(experiment::Arguments),
     /// Run a state-of-charge estimator over measured cell tests or trips and compare it with the
     /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest.
     /// --matrix without files simulates batteries with which something is wrong
@@ -82,6 +86,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
     match command {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Validate(arguments) => validate::run(arguments),
+        Command::Experiment(arguments) => experiment::run(arguments),
         Command::Soc(arguments) => soc::run(arguments),
         Command::Identify { what: Identify::Battery(arguments) } => identify::run(arguments),
         Command::Steps => steps::run(),

@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use anyhow::bail;
 use clap::Args;
 
-use crate::read::{input, vehicle};
+use crate::read::input::{self, Drive};
+use crate::read::vehicle;
 use crate::show::progress::Bar;
 use crate::show::{self, files, sheet, summary, trace};
 use crate::simulate::mode::Mode;
-use crate::simulate::replay::{self, DEFAULT_VEHICLE, Options, Replay};
+use crate::simulate::replay::{self, DEFAULT_STEP_S, DEFAULT_VEHICLE, Options, Replay};
 
 /// A run that takes longer than this shows its progress.
 const SHOW_PROGRESS_AFTER: Duration = Duration::from_secs(1);
@@ -25,8 +27,8 @@ pub struct Arguments {
     /// battery alone on measured current
     #[arg(long, value_enum, default_value_t = Mode::Vehicle)]
     mode: Mode,
-    /// Length of a step in milliseconds
-    #[arg(long, value_name = "MS", default_value_t = 1.0, allow_negative_numbers = true)]
+    /// Length of a step in milliseconds; a longer one than the default is compared with it
+    #[arg(long, value_name = "MS", default_value_t = 1000.0 * DEFAULT_STEP_S, allow_negative_numbers = true)]
     dt_ms: f64,
     /// Folder for summary.json, trace.csv and report.svg [default: out/<name>/]
     #[arg(long, value_name = "DIR")]
@@ -48,6 +50,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     let options = Options { mode, dt_s: super::step_s(dt_ms)?, ledger: !no_ledger };
     let vehicle = vehicle::load(&vehicle)?;
     let drive = input::drive(&input)?;
+    if let (Drive::Cycle(cycle), Mode::Battery) = (&drive, mode) {
+        bail!(
+            "`{}` is a driving cycle and has no measured current: --mode battery needs a trip",
+            cycle.name
+        );
+    }
     let replay = replay::replay(&vehicle, drive, options, &Bar::new(SHOW_PROGRESS_AFTER))?;
     let folder = write(&replay, out)?;
     super::print(&if json {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use rayon::prelude::*;
 
 use super::capacity::{self, Estimate};
@@ -11,6 +11,11 @@ use crate::read::cell::CellRecord;
 use crate::read::error::InputError;
 use crate::read::input::{self, Measurement};
 use crate::read::trip::Trip;
+
+/// The measurements do not tell the capacity, and it was not given: which ones would.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}, or the capacity")]
+pub struct NoCapacity(pub &'static str);
 
 /// Reads trips or tests of a cell: files, and the CSV files in folders, each once.
 ///
@@ -58,7 +63,7 @@ pub fn from_trips(
     let capacity = match given_ah {
         Some(value) => Estimate { value, error: f64::NAN },
         None => capacity::of_trips(&fit)
-            .context("fewer than three trips tell the capacity: give more, or --capacity-ah")?,
+            .context(NoCapacity("fewer than three trips tell the capacity: give more"))?,
     };
     if fit.iter().any(|t| t.battery_c.iter().all(|c| c.is_nan())) {
         notes.push("trips without a battery temperature are taken at 25 °C".to_owned());
@@ -87,10 +92,11 @@ pub fn from_cells(
             }
             capacity
         }
-        (None, None) => bail!(
-            "no slow discharge of a full cell among the tests tells the capacity: give one, or \
-             --capacity-ah"
-        ),
+        (None, None) => {
+            let said =
+                "no slow discharge of a full cell among the tests tells the capacity: give one";
+            return Err(NoCapacity(said).into());
+        }
     };
     Ok((capacity, cells.iter().map(|c| Measured::of_cell(c, capacity.value)).collect()))
 }

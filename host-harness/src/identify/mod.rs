@@ -23,4 +23,5 @@ mod write;
 pub use battery::{Identified, Options, Tick, identify, of_records};
 pub use capacity::Estimate;
 pub use cross::HeldOut;
+pub use input::NoCapacity;
 pub use thermal::Node;

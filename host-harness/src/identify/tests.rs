@@ -6,7 +6,7 @@ use std::io::Write as _;
 use plant_core::Dt;
 use plant_core::battery::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBattery, MappedBatteryInput,
-    MappedBatteryParams, OpenCircuit, OverSoc, ResistanceMap, ThermalParams,
+    MappedBatteryParams, OpenCircuit, OverSoc, ResistanceMap, ThermalParams, VoltageLimits,
 };
 use plant_core::num::SocTable;
 
@@ -42,6 +42,7 @@ fn truth() -> MappedBatteryParams {
         capacity_ah: CAPACITY_AH,
         discharge_limit_a: f32::INFINITY,
         charge_limit_a: f32::INFINITY,
+        voltage_limits: VoltageLimits::NONE,
         refresh_s: 1.0,
         open_circuit: OpenCircuit::Table(table(&[
             (0.0, 3.2),

@@ -9,10 +9,11 @@ use serde::de::IgnoredAny;
 use crate::read::builtin::BuiltIn;
 use crate::read::document::{CHECK_DT, Document};
 use crate::read::error::InputError;
+use crate::read::recognise::FileKind;
 
 /// Every built-in battery.
 const BUILT_IN: BuiltIn = BuiltIn {
-    kind: "battery",
+    kind: FileKind::Battery,
     files: &[
         ("bmw-i3-60ah", include_str!("../../data/batteries/bmw-i3-60ah.toml")),
         ("panasonic-ncr18650pf", include_str!("../../data/batteries/panasonic-ncr18650pf.toml")),
@@ -140,5 +141,8 @@ mod tests {
         }
         let error = load("panasonic").unwrap_err().to_string();
         assert!(error.contains("no such battery"), "{error}");
+        let vehicle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/vehicles/bmw-i3-60ah.toml");
+        let error = load(vehicle).unwrap_err();
+        assert!(error.message.starts_with("this is a vehicle; expected a battery"), "{error}");
     }
 }

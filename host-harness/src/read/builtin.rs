@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use crate::read::error::{self, InputError, listed, nearest, shown};
+use crate::read::recognise::{FileKind, recognise};
 
 /// The built-in files of one kind.
 pub(crate) struct BuiltIn {
-    /// What each of them is, for messages.
-    pub(crate) kind: &'static str,
+    /// What each of them is.
+    pub(crate) kind: FileKind,
     /// Their names, and what they hold.
     pub(crate) files: &'static [(&'static str, &'static str)],
 }
@@ -37,13 +38,15 @@ impl BuiltIn {
             return parse(name, text.as_bytes());
         }
         if is_toml(name_or_path) || name_or_path.contains(std::path::is_separator) {
-            return parse(name_or_path, &error::read(Path::new(name_or_path))?);
+            let bytes = error::read(Path::new(name_or_path))?;
+            recognise(name_or_path, &bytes, &[self.kind])?;
+            return parse(name_or_path, &bytes);
         }
         let near = nearest(name_or_path, self.names())
             .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
         let message = format!(
             "no such {}{near} (built in: {}; or the path of a .toml file)",
-            self.kind,
+            self.kind.name(),
             listed(self.names())
         );
         Err(InputError::of_file(&shown(name_or_path), message))

@@ -121,7 +121,7 @@ fn in_order<'n, 'a>(table: &'n DeTable<'a>) -> Vec<Entry<'n, 'a>> {
     entries
 }
 
-/// A value of the document on its way into a Rust type.
+/// A value of the document that becomes one of a Rust type.
 struct Node<'n, 'a> {
     value: &'n DeValue<'a>,
     offset: usize,

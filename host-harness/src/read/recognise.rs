@@ -23,13 +23,13 @@ impl FileKind {
     pub const ALL: [Self; 5] = [Self::Cycle, Self::Trip, Self::Cell, Self::Vehicle, Self::Battery];
 
     /// In words.
-    const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::Cycle => "a driving cycle",
-            Self::Trip => "a trip",
-            Self::Cell => "a test of a cell",
-            Self::Vehicle => "a vehicle",
-            Self::Battery => "a battery",
+            Self::Cycle => "driving cycle",
+            Self::Trip => "trip",
+            Self::Cell => "test of a cell",
+            Self::Vehicle => "vehicle",
+            Self::Battery => "battery",
         }
     }
 
@@ -52,7 +52,7 @@ impl FileKind {
 /// that is another kind than wanted.
 pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKind, InputError> {
     let looked_for = || {
-        let each = wanted.iter().map(|kind| format!("{} ({})", kind.name(), kind.mark()));
+        let each = wanted.iter().map(|kind| format!("a {} ({})", kind.name(), kind.mark()));
         each.collect::<Vec<_>>().join(" or ")
     };
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
@@ -68,7 +68,7 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
     match kind_of(first, bytes) {
         Some(kind) if wanted.contains(&kind) => Ok(kind),
         Some(kind) => {
-            Err(at_line(line, format!("this is {}; expected {}", kind.name(), looked_for())))
+            Err(at_line(line, format!("this is a {}; expected {}", kind.name(), looked_for())))
         }
         None => {
             error::text(file, bytes)?;
@@ -82,6 +82,9 @@ fn is_blank(line: &[u8]) -> bool {
     matches!(line.trim_ascii().first(), None | Some(b'#'))
 }
 
+/// What a vehicle's file has and a battery's has not.
+const VEHICLE_ONLY: [&str; 5] = ["body", "wheel", "gearbox", "motor", "initial_soc"];
+
 fn kind_of(first: &[u8], bytes: &[u8]) -> Option<FileKind> {
     if first.contains(&b';') {
         return Some(FileKind::Trip);
@@ -94,11 +97,18 @@ fn kind_of(first: &[u8], bytes: &[u8]) -> Option<FileKind> {
     if names.any(|name| cycle::COLUMNS.contains(&name)) {
         return Some(FileKind::Cycle);
     }
-    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start);
-    if lines.clone().any(|line| line.starts_with(b"[body")) {
+    // A table, or a key of it that is written out. Half a file is one, too: what it lacks is said
+    // where it is read.
+    let holds = |table: &str| {
+        bytes.split(|byte| *byte == b'\n').any(|line| {
+            let line = line.trim_ascii_start();
+            line.strip_prefix(b"[").unwrap_or(line).starts_with(table.as_bytes())
+        })
+    };
+    if VEHICLE_ONLY.iter().any(|table| holds(table)) {
         Some(FileKind::Vehicle)
     } else {
-        lines.any(|line| line.starts_with(b"[battery")).then_some(FileKind::Battery)
+        holds("battery").then_some(FileKind::Battery)
     }
 }
 
@@ -118,6 +128,9 @@ mod tests {
         for (bytes, kind) in [
             (cycle.as_bytes(), FileKind::Cycle),
             (b"time_s,speed_ms\n", FileKind::Cycle),
+            (b"\"speed_m_s\", \"time_s\"\n", FileKind::Cycle),
+            (b"motor.inertia_kg_m2 = 1\n", FileKind::Vehicle),
+            (b"battery = { capacity_ah = 3 }\n", FileKind::Battery),
             (TRIP, FileKind::Trip),
             (b"Time [s];Velocity\n", FileKind::Trip),
             (CELL.as_bytes(), FileKind::Cell),
@@ -129,7 +142,9 @@ mod tests {
             let others = FileKind::ALL.map(|k| if k == kind { FileKind::ALL[0] } else { k });
             if kind != FileKind::ALL[0] {
                 let error = recognise("x", bytes, &others).unwrap_err();
-                assert!(error.message.starts_with(&format!("this is {}; expected ", kind.name())));
+                assert!(
+                    error.message.starts_with(&format!("this is a {}; expected ", kind.name()))
+                );
                 assert!(error.line.is_some() && error.column == Some(1), "{error}");
             }
         }

@@ -18,7 +18,7 @@ use plant_core::machine::dc::DcMotorParams;
 use plant_core::mechanics::body::BodyParams;
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{Powertrain, PowertrainParams};
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
@@ -27,10 +27,11 @@ use crate::read::battery;
 use crate::read::builtin::{BuiltIn, is_toml};
 use crate::read::document::{CHECK_DT, Document};
 use crate::read::error::InputError;
+use crate::read::recognise::FileKind;
 
 /// Every built-in vehicle.
 const BUILT_IN: BuiltIn = BuiltIn {
-    kind: "vehicle",
+    kind: FileKind::Vehicle,
     files: &[
         ("bmw-i3-60ah", include_str!("../../data/vehicles/bmw-i3-60ah.toml")),
         ("bmw-i3-60ah-constant", include_str!("../../data/vehicles/bmw-i3-60ah-constant.toml")),
@@ -173,9 +174,10 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         powertrain: PowertrainParams {
             battery: chosen(&document, file, content.battery)?,
             auxiliary: content.auxiliary,
-            converter: content.converter,
-            motor: content.motor,
-            gearbox: content.gearbox,
+            drives: DriveParams {
+                converter: content.converter,
+                ..DriveParams::new(content.motor, content.gearbox)
+            },
             wheel: content.wheel,
             body: content.body,
         },
@@ -214,10 +216,10 @@ fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
     let plant = vehicle.powertrain;
     match plant.battery {
         VehicleBattery::Constant(battery) => {
-            Powertrain::new(plant.with_battery(battery), CHECK_DT)?;
+            plant.with_battery(battery).build(CHECK_DT)?;
         }
         VehicleBattery::Mapped(battery) => {
-            Powertrain::mapped(plant.with_battery(battery), CHECK_DT)?;
+            plant.with_battery(battery).build(CHECK_DT)?;
         }
     }
     Driver::new(vehicle.driver, &plant, CHECK_DT)?;

@@ -5,6 +5,7 @@
 pub(crate) mod cells;
 pub(crate) mod endurance;
 pub(crate) mod estimators;
+pub(crate) mod experiment;
 pub(crate) mod files;
 pub(crate) mod honesty;
 pub(crate) mod identified;

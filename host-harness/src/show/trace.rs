@@ -42,8 +42,9 @@ pub fn csv(run: &Run, trip: Option<&Trip>) -> anyhow::Result<Vec<u8>> {
     writer.into_inner().map_err(|e| anyhow::anyhow!("writing the trace: {e}"))
 }
 
+/// A number as short as single precision allows; none where it is not finite.
 #[expect(clippy::cast_possible_truncation, reason = "single precision is what was computed")]
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }

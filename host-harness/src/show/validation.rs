@@ -27,8 +27,8 @@ fn verdict(check: &Check) -> &'static str {
     }
 }
 
-/// A row for each check, then what failed or was skipped.
-pub fn render(report: &ValidationReport) -> String {
+/// A row for each check; a line for each that failed or was skipped.
+pub fn figures(checks: &[Check]) -> (Table, String) {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED);
     table.set_header([
@@ -45,7 +45,7 @@ pub fn render(report: &ValidationReport) -> String {
     }
     let mut case = "";
     let mut notes = String::new();
-    for check in &report.cases {
+    for check in checks {
         if check.name != case {
             case = &check.name;
             table.add_row([format!("▸ {case}")]);
@@ -66,6 +66,12 @@ pub fn render(report: &ValidationReport) -> String {
             notes += &format!("{}: {name}: {quantity}: {reason}\n", verdict(check));
         }
     }
+    (table, notes)
+}
+
+/// The table, then what failed or was skipped.
+pub fn render(report: &ValidationReport) -> String {
+    let (table, notes) = figures(&report.cases);
     format!(
         "{table}\n\
          published: what the source work prints where that contradicts itself or its own \
@@ -114,6 +120,35 @@ mod tests {
             "0 passed, 1 failed, 1 skipped",
         ] {
             assert!(text.contains(line), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_row_says_target_tolerance_and_verdict() {
+        let row = |target, tolerance, pass| {
+            let check = Check {
+                target,
+                tolerance,
+                obtained: Some(1.5),
+                ..Check::without("case", "figure", pass, String::new())
+            };
+            let report = ValidationReport {
+                cases: vec![check],
+                covered: Vec::new(),
+                passed: 1,
+                failed: 0,
+                skipped: 0,
+                wall_s: 0.0,
+            };
+            let text = render(&report);
+            text.lines().find(|line| line.contains("figure")).unwrap().to_owned()
+        };
+        for (row, words) in [
+            (row(Some(1.25), Some(0.5), Some(true)), ["1.25000", "± 0.50000", "pass"]),
+            (row(None, Some(2.0), Some(true)), ["1.50000", "≤ 2.00000", "pass"]),
+            (row(None, None, None), ["", "1.50000", "shown"]),
+        ] {
+            assert!(words.iter().all(|word| row.contains(word)), "{row}");
         }
     }
 }

@@ -11,10 +11,18 @@ use crate::simulate::mode::{Mode, Replayed};
 use crate::simulate::progress::Progress;
 use crate::simulate::route::Route;
 use crate::simulate::run::{self, Load, Run};
-use crate::simulate::summary::Summary;
+use crate::simulate::summary::{StepError, Summary};
 
 /// The vehicle where none is named.
 pub const DEFAULT_VEHICLE: &str = "bmw-i3-60ah";
+
+/// The step where none is named \[s\]; a longer one is compared with it.
+pub const DEFAULT_STEP_S: f64 = 1e-3;
+/// An error of the energy from here on is worth a note, and from here on useless, as a share.
+const NOTED: f64 = 0.005;
+const USELESS: f64 = 0.1;
+/// Less net energy than this share of what the battery exchanged is no measure of an error.
+const LEAST_NET: f64 = 0.25;
 
 /// How to replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,11 +46,63 @@ pub struct Replay {
     pub trip: Option<Trip>,
 }
 
-/// Runs a vehicle on a cycle or a trip.
+/// Runs a vehicle on a cycle or a trip. What a step that is longer than the default costs is said.
 ///
 /// # Errors
-/// A cycle where a measured current is asked for; as [`of_trip`].
+/// A cycle where a measured current is asked for; a step so long that the result is useless; as
+/// [`of_trip`].
 pub fn replay(
+    vehicle: &Vehicle,
+    drive: Drive,
+    options: Options,
+    progress: &dyn Progress,
+) -> anyhow::Result<Replay> {
+    if options.mode == Mode::Battery || options.dt_s <= DEFAULT_STEP_S {
+        return replayed(vehicle, drive, options, progress);
+    }
+    let mut replay = replayed(vehicle, drive.clone(), options, progress)?;
+    let fine = Options { dt_s: DEFAULT_STEP_S, ledger: false, ..options };
+    let error = StepError::between(&replay, &replayed(vehicle, drive, fine, progress)?);
+    let said = format!(
+        "in steps of {} ms the energy at the battery is off by {:+.1} %, the speed by {:.2} m/s RMS, \
+         against steps of {} ms",
+        1000.0 * options.dt_s,
+        100.0 * error.energy_rel,
+        error.speed_rms_m_s,
+        1000.0 * DEFAULT_STEP_S
+    );
+    // Not a number is no small error.
+    let within = |share| error.energy_rel.abs() <= share;
+    anyhow::ensure!(within(USELESS), "{}: {said}: useless; try a shorter step", vehicle.name);
+    if !within(NOTED) {
+        replay.summary.notes.push(format!("{said}: choose a shorter one"));
+    }
+    replay.summary.step_error = Some(error);
+    Ok(replay)
+}
+
+impl StepError {
+    fn between(coarse: &Replay, fine: &Replay) -> Self {
+        let net = |replay: &Replay| replay.run.totals.battery_energy_j;
+        let exchanged: f64 = (fine.run.trace.windows(2))
+            .map(|pair| {
+                let watts = f64::from(pair[1].battery_voltage_v * pair[1].battery_current_a);
+                watts.abs() * (pair[1].time_s - pair[0].time_s)
+            })
+            .sum();
+        let squares: Vec<_> = (coarse.run.trace.iter().zip(&fine.run.trace))
+            .map(|(a, b)| f64::from(a.speed_m_s - b.speed_m_s).powi(2))
+            .collect();
+        #[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
+        let rows = squares.len() as f64;
+        Self {
+            energy_rel: (net(coarse) - net(fine)) / net(fine).abs().max(LEAST_NET * exchanged),
+            speed_rms_m_s: (squares.iter().sum::<f64>() / rows).sqrt(),
+        }
+    }
+}
+
+fn replayed(
     vehicle: &Vehicle,
     drive: Drive,
     options: Options,
@@ -51,7 +111,7 @@ pub fn replay(
     match (drive, options.mode) {
         (Drive::Cycle(cycle), Mode::Vehicle) => of_cycle(vehicle, &cycle, options, progress),
         (Drive::Cycle(cycle), Mode::Battery) => bail!(
-            "`{}` is a driving cycle and has no measured current: --mode battery needs a trip",
+            "`{}` is a driving cycle and has no measured current: the battery alone needs a trip",
             cycle.name
         ),
         (Drive::Trip(trip), _) => of_trip(vehicle.clone(), *trip, options, progress),

@@ -50,6 +50,9 @@ pub struct Summary {
     /// What the ledger does not explain, over the throughput; absent where none was kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_residual_rel: Option<f64>,
+    /// What the step costs, where it is longer than the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_error: Option<StepError>,
     /// What was measured; on trips.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<Figures>,
@@ -58,6 +61,15 @@ pub struct Summary {
     pub error: Option<Deviation>,
     /// What the user should know: quirks of the data, warnings.
     pub notes: Vec<String>,
+}
+
+/// What a long step costs: the difference from a run in steps of the default length.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StepError {
+    /// Of the net energy at the battery's terminals, relative.
+    pub energy_rel: f64,
+    /// Of the speed at the rows of the trace, root mean square \[m/s\].
+    pub speed_rms_m_s: f64,
 }
 
 impl Summary {
@@ -110,6 +122,7 @@ impl Summary {
                 report.terms().into_iter().map(|(n, j)| (n, f64::from(j) / J_PER_KWH)).collect()
             }),
             energy_residual_rel: run.energy.map(|report| f64::from(report.residual_rel())),
+            step_error: None,
             measured: None,
             error: None,
             notes,

@@ -131,7 +131,7 @@ pub fn trip_csv() -> Vec<u8> {
         let values = [
             out.speed_m_s * 3.6,
             height_m(out.distance_m),
-            out.motor_nm,
+            out.drives.motor_nm,
             out.battery_v,
             -out.battery_a,
             20.0 + 2.0 * share,

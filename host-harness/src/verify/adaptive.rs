@@ -7,7 +7,7 @@
 //! (faer) into the command for a system of seven; in `differential-equations` 0.7.0 the Radau
 //! method steps with a stale factorisation after a rejected step, and the interpolant of its
 //! Dormand–Prince 8(5,3) is wrong between the ends of a step; `ode_solvers` cannot stop at an
-//! event. Two lags that are faster than all else are eliminated in the equations (`equations`), so
+//! event. Two lags that are faster than all else are eliminated in the equations (`composed`), so
 //! no stiff method is needed.
 
 use anyhow::{bail, ensure};

@@ -3,7 +3,7 @@
 
 use plant_core::battery::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBattery, MappedBatteryInput,
-    MappedBatteryParams, OpenCircuit, OverSoc, ResistanceMap, ThermalParams,
+    MappedBatteryParams, OpenCircuit, OverSoc, ResistanceMap, ThermalParams, VoltageLimits,
 };
 use plant_core::num::SocTable;
 use plant_core::{Dt, Real};
@@ -57,6 +57,7 @@ fn params() -> anyhow::Result<MappedBatteryParams> {
         capacity_ah: CAPACITY_AH,
         discharge_limit_a: Real::INFINITY,
         charge_limit_a: Real::INFINITY,
+        voltage_limits: VoltageLimits::NONE,
         refresh_s: 1.0,
         open_circuit: OpenCircuit::Table(table(OPEN_CIRCUIT)?),
         hysteresis: HYSTERESIS,

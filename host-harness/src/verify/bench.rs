@@ -28,7 +28,7 @@ const SINE_HZ: f64 = 0.2;
 const RUN_S: u32 = 20;
 const HALF_PERIODS: u32 = 4;
 const DT: Dt = must!(Dt::from_s(1e-4));
-const STEPS_PER_S: u32 = 10_000;
+pub(super) const STEPS_PER_S: u32 = 10_000;
 const PER_SAMPLE: u32 = 10;
 const TOLERANCE: f64 = 1e-10;
 
@@ -36,17 +36,17 @@ pub(super) const CASES: [Case; 2] = [
     Case {
         name: "converter bench, square",
         models: &["DcMotor", "Converter", "Pid", "RotationalLoad", "Square"],
-        run: |checks| bench(checks, Wave::Square),
+        run: |checks| bench(checks, Wave::Square, |_, _| {}),
     },
     Case {
         name: "converter bench, sine",
         models: &["DcMotor", "Converter", "Pid", "RotationalLoad", "Sine"],
-        run: |checks| bench(checks, Wave::Sine),
+        run: |checks| bench(checks, Wave::Sine, |_, _| {}),
     },
 ];
 
 #[derive(Clone, Copy, PartialEq)]
-enum Wave {
+pub(super) enum Wave {
     Square,
     Sine,
 }
@@ -98,18 +98,45 @@ fn solve(wave: Wave) -> anyhow::Result<(Vec<f64>, f64)> {
 }
 
 /// Where the energy went \[J\].
-#[derive(Default)]
-struct Energy {
-    supply: f64,
-    copper: f64,
-    conversion: f64,
-    friction: f64,
-    numerical: f64,
-    throughput: f64,
+#[derive(Clone, Copy, Default)]
+pub(super) struct Energy {
+    pub supply: f64,
+    pub copper: f64,
+    pub conversion: f64,
+    pub friction: f64,
+    pub numerical: f64,
+    pub throughput: f64,
 }
 
+/// What is seen of one step.
+pub(super) struct Seen {
+    pub reference: f64,
+    pub speed_rad_s: f64,
+    pub duty: f64,
+    pub current_a: f64,
+    pub energy: Energy,
+}
+
+impl Seen {
+    /// In the winding's field and in motion \[J\].
+    pub fn stored(&self) -> f64 {
+        0.5 * 1e-3 * self.current_a.powi(2) + 0.5 * 10.031 * self.speed_rad_s.powi(2)
+    }
+
+    /// What the balance does not explain \[J\].
+    pub fn residual(&self) -> f64 {
+        let Energy { supply, copper, conversion, friction, numerical, .. } = self.energy;
+        supply - copper - conversion - friction - numerical - self.stored()
+    }
+}
+
+/// A wave's run; `each` sees every step by its number, from 1.
 #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
-fn bench(checks: &mut Checks, wave: Wave) -> anyhow::Result<()> {
+pub(super) fn bench(
+    checks: &mut Checks,
+    wave: Wave,
+    mut each: impl FnMut(u32, &Seen),
+) -> anyhow::Result<()> {
     let (exact, exact_j) = solve(wave)?;
     let motor = DcMotor::new(CONVERTER_BENCH_MOTOR, DT)?;
     let load = RotationalLoad::new(CONVERTER_BENCH_LOAD, DT)?;
@@ -150,6 +177,7 @@ fn bench(checks: &mut Checks, wave: Wave) -> anyhow::Result<()> {
     let (mut motor_state, mut load_state) =
         (DcMotorState::default(), RotationalLoadState::default());
     let mut energy = Energy::default();
+    let mut last = Seen { reference: 0.0, speed_rad_s: 0.0, duty: 0.0, current_a: 0.0, energy };
     let (mut squares, mut count, mut saturated) = (0.0, 0.0, 0.0);
     for number in 1..=RUN_S * STEPS_PER_S {
         let reference = match wave {
@@ -181,6 +209,14 @@ fn bench(checks: &mut Checks, wave: Wave) -> anyhow::Result<()> {
             (f64::from(out.current_a) - f64::from(i), f64::from(increment)),
         );
         saturated += f64::from(u8::from(command.saturated));
+        last = Seen {
+            reference: f64::from(reference),
+            speed_rad_s: f64::from(turned.speed_rad_s),
+            duty: f64::from(command.output),
+            current_a: f64::from(out.current_a),
+            energy,
+        };
+        each(number, &last);
         if number % PER_SAMPLE == 0
             && let Some(exact) = exact.get((number / PER_SAMPLE) as usize)
         {
@@ -188,16 +224,7 @@ fn bench(checks: &mut Checks, wave: Wave) -> anyhow::Result<()> {
             count += 1.0;
         }
     }
-    let i = f64::from(motor_state.current_a.get());
-    let w = f64::from(load_state.speed_rad_s.get());
-    let stored = 0.5 * 1e-3 * i * i + 0.5 * 10.031 * w * w;
-    let residual = energy.supply
-        - energy.copper
-        - energy.conversion
-        - energy.friction
-        - energy.numerical
-        - stored;
-    checks.add(&t::BENCH_BALANCE, residual / energy.throughput);
+    checks.add(&t::BENCH_BALANCE, last.residual() / energy.throughput);
     checks.add(&t::BENCH_SPEED, f64::sqrt(squares / count));
     checks.against(&t::BENCH_ENERGY, exact_j, energy.supply);
     checks.add(&t::BENCH_NUMERICAL, energy.numerical / energy.throughput);

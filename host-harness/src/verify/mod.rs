@@ -4,20 +4,27 @@
 //! | Module | What it does |
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
-//! | `adaptive`, `equations` | the independent solver and the vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `pmsm`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
 mod adaptive;
 mod battery_map;
 mod bench;
 mod components;
+#[cfg_attr(not(test), expect(dead_code, reason = "for cases of several drives"))]
+mod composed;
+mod drives;
 pub mod endurance;
-mod equations;
+pub mod experiment;
+mod field_oriented;
 mod motor;
 mod pmsm;
+mod sampled;
 mod signals;
 mod tolerance;
+mod torque_loops;
 mod trip;
 mod udds;
 
@@ -105,6 +112,10 @@ struct Checks {
 }
 
 impl Checks {
+    const fn new(case: &'static str) -> Self {
+        Self { case, list: Vec::new() }
+    }
+
     /// Against the table's own target.
     fn add(&mut self, bound: &Bound, obtained: f64) {
         self.list.push(Check::new(self.case, bound, bound.target, obtained));
@@ -177,6 +188,10 @@ fn cases() -> Vec<Case> {
     cases.extend(bench::CASES);
     cases.extend(motor::CASES);
     cases.extend(pmsm::CASES);
+    cases.extend(drives::CASES);
+    cases.extend(torque_loops::CASES);
+    cases.extend(field_oriented::CASES);
+    cases.extend(sampled::CASES);
     cases.extend(components::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
@@ -202,7 +217,7 @@ fn run_all(cases: &[Case], progress: &dyn Progress) -> ValidationReport {
     let found: Vec<Vec<Check>> = cases
         .par_iter()
         .map(|case| {
-            let mut checks = Checks { case: case.name, list: Vec::new() };
+            let mut checks = Checks::new(case.name);
             if let Err(error) = (case.run)(&mut checks) {
                 let check = Check::without(case.name, "the run", Some(false), format!("{error:#}"));
                 checks.list.push(check);

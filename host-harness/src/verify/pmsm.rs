@@ -1,11 +1,8 @@
 //! The synchronous machine of the source work (`EPowertrain` 2025, PMSM): its start at a constant
-//! voltage, with a rotor of two different axes too, and field-oriented control.
+//! voltage, with a rotor of two different axes too.
 
-use plant_core::control::foc::{Foc, FocInput, FocParams, FocState};
 use plant_core::machine::flux::{Flux, LinearFlux};
-use plant_core::machine::pmsm::{
-    Pmsm, PmsmInput, PmsmOutput, PmsmParams, PmsmSpeedInput, PmsmState,
-};
+use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmParams, PmsmState};
 use plant_core::machine::transform::Dq;
 use plant_core::presets::PMSM_EPOWERTRAIN;
 use plant_core::{Dt, Real};
@@ -23,31 +20,26 @@ const SAMPLES: u32 = 2000;
 const LOAD_NM: f64 = 0.2;
 const TOLERANCE: f64 = 1e-10;
 
-pub(super) const CASES: [Case; 3] = [
+pub(super) const CASES: [Case; 2] = [
     Case { name: "PMSM start", models: &["Pmsm"], run: |c| start(c, &ROUND) },
     Case { name: "PMSM start, salient", models: &["Pmsm"], run: |c| start(c, &SALIENT) },
-    Case {
-        name: "PMSM under field-oriented control",
-        models: &["Pmsm", "Foc"],
-        run: field_oriented,
-    },
 ];
 
 /// The machine's continuous equations: currents of both axes, speed, turning forwards.
-struct Machine {
-    d_h: f64,
-    q_h: f64,
+pub(super) struct Machine {
+    pub d_h: f64,
+    pub q_h: f64,
     /// Voltages that settle at a current of the d axis which no torque needs.
     voltage_v: [f64; 2],
 }
 
-const OHM: f64 = 2.98;
-const PAIRS: f64 = 2.0;
-const MAGNET_WB: f64 = 0.125;
-const INERTIA: f64 = 4.7e-5;
-const VISCOUS: f64 = 1.1e-4;
+pub(super) const OHM: f64 = 2.98;
+pub(super) const PAIRS: f64 = 2.0;
+pub(super) const MAGNET_WB: f64 = 0.125;
+pub(super) const INERTIA: f64 = 4.7e-5;
+pub(super) const VISCOUS: f64 = 1.1e-4;
 
-const ROUND: Machine = Machine { d_h: 7e-3, q_h: 7e-3, voltage_v: [-8.0, 60.0] };
+pub(super) const ROUND: Machine = Machine { d_h: 7e-3, q_h: 7e-3, voltage_v: [-8.0, 60.0] };
 const SALIENT: Machine = Machine { q_h: 14e-3, ..ROUND };
 
 impl System<3> for Machine {
@@ -68,7 +60,7 @@ impl System<3> for Machine {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
-const fn single(x: f64) -> Real {
+pub(super) const fn single(x: f64) -> Real {
     x as Real
 }
 
@@ -123,77 +115,6 @@ fn start(checks: &mut Checks, exact: &Machine) -> anyhow::Result<()> {
     }
     let steady = [out.current_a.d, out.current_a.q, out.speed_rad_s].map(f64::from);
     for (bound, (target, obtained)) in t::PMSM_STEADY.iter().zip(y.into_iter().zip(steady)) {
-        checks.against(bound, target, obtained);
-    }
-    Ok(())
-}
-
-/// Bandwidth of the current loop \[rad/s\], and the bus \[V\] with the share of its voltage.
-const BANDWIDTH: f64 = 1000.0;
-const BUS_V: f64 = 300.0;
-const SHARE: f64 = 0.95;
-
-/// `steps` of 10 µs under control on an imposed speed.
-fn controlled(
-    torque_nm: f64,
-    speed_rad_s: f64,
-    steps: u32,
-    mut each: impl FnMut(u32, &PmsmOutput),
-) -> anyhow::Result<f64> {
-    let dt = Dt::from_s(1e-5)?;
-    let params = FocParams {
-        bandwidth_rad_s: single(BANDWIDTH),
-        voltage_share: single(SHARE),
-        ..FocParams::DEFAULT
-    };
-    let (foc, machine) =
-        (Foc::new(params, PMSM_EPOWERTRAIN, dt)?, Pmsm::new(PMSM_EPOWERTRAIN, dt)?);
-    let (mut control, mut state) = (FocState::default(), PmsmState::default());
-    let speed_rad_s = single(speed_rad_s);
-    let mut volts = 0.0;
-    for number in 1..=steps {
-        let out = foc.step(
-            &mut control,
-            FocInput {
-                torque_nm: single(torque_nm),
-                current_a: state.current_a(),
-                speed_rad_s,
-                bus_v: single(BUS_V),
-            },
-        );
-        volts = f64::from(out.voltage_v.length());
-        let voltage_v = out.voltage_v;
-        let input = PmsmSpeedInput { voltage_v, speed_rad_s, winding_c: 25.0 };
-        each(number, &machine.step_at_speed(&mut state, input));
-    }
-    Ok(volts)
-}
-
-/// A step of the torque at standstill is one lag; above base speed a round rotor's currents are
-/// the root of `(R² + ω²·L²)·(i_d² + i_q²) + 2·ω²·ψ·L·i_d + 2·R·ω·ψ·i_q + ω²·ψ² = V²` at
-/// `i_q = T/(3/2·p·ψ)`.
-fn field_oriented(checks: &mut Checks) -> anyhow::Result<()> {
-    let torque = 0.3;
-    let mut worst = 0.0_f64;
-    controlled(torque, 0.0, 1000, |number, out| {
-        let exact = torque * (1.0 - (-BANDWIDTH * 1e-5 * f64::from(number)).exp());
-        worst = worst.max((f64::from(out.torque_nm) - exact).abs());
-    })?;
-    checks.add(&t::FOC_STEP, worst / torque);
-
-    let (speed, q) = (800.0, torque / (1.5 * PAIRS * MAGNET_WB));
-    let mut end = [0.0; 3];
-    let volts = controlled(torque, speed, 10_000, |_, out| {
-        end = [out.current_a.d, out.current_a.q, out.torque_nm].map(f64::from);
-    })?;
-    let (turning, longest) = (PAIRS * speed, SHARE * BUS_V / 3.0_f64.sqrt());
-    let (x, emf) = (turning * ROUND.d_h, turning * MAGNET_WB);
-    let (a, b) = (OHM * OHM + x * x, emf * x);
-    let c = a * q * q + 2.0 * OHM * emf * q + emf * emf - longest * longest;
-    let d = (-b + (b * b - a * c).sqrt()) / a;
-    for (bound, (target, obtained)) in
-        t::FOC_WEAKENED.iter().zip([(d, end[0]), (q, end[1]), (torque, end[2]), (longest, volts)])
-    {
         checks.against(bound, target, obtained);
     }
     Ok(())

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use anyhow::Context;
 
-use super::adaptive::{Clock, integrate};
-use super::equations::{ENERGY, I3, Parameters, SOC, Stretch, V, Vehicle};
+use super::adaptive::Clock;
+use super::composed::sets::I3;
+use super::composed::{Command, ComposedReference, Description, ENERGY, Gates, MOST, SOC, V};
 use super::tolerance as t;
 use super::{Case, Checks};
 use crate::read::trip::{self, Trip};
@@ -46,22 +47,23 @@ struct Solution {
 fn solve(route: &Route, soc: f64) -> anyhow::Result<Solution> {
     let first = route.rows.first().context("an empty trip")?;
     // The measured power takes the place of the resistor.
-    let mut vehicle = Vehicle::moving(Parameters { load_s: 0.0, ..I3 }, first.speed_m_s);
-    let mut y = Vehicle::at_rest(soc);
-    y[V] = first.speed_m_s;
+    let mut vehicle = ComposedReference::new(Description { load_s: 0.0, ..I3 })?;
+    let mut y = vehicle.rolling_at(first.speed_m_s, soc);
     let mut found = Solution { speed: vec![y[V]], soc: vec![soc], energy_kwh: 0.0 };
     for pair in route.rows.windows(2) {
         let (row, next): (&Row, &Row) = (&pair[0], &pair[1]);
-        vehicle.stretch = Stretch {
+        let command = Command {
+            gates: [Gates::ControlledDuty; MOST],
             from_s: row.time_s,
             reference: row.speed_m_s,
             rate: (next.speed_m_s - row.speed_m_s) / (next.time_s - row.time_s),
             sin: f64::from(row.grade.sin),
             auxiliary_w: f64::from(row.auxiliary_w),
+            ..Command::default()
         };
         let span = (row.time_s, next.time_s);
         let mut clock = Clock::never();
-        integrate(&mut vehicle, &mut y, span, TOLERANCE, &mut clock, |_, _, _| {})?;
+        vehicle.advance(&mut y, &command, span, TOLERANCE, &mut clock, |_, _, _| {})?;
         found.speed.push(y[V]);
         found.soc.push(y[SOC]);
     }

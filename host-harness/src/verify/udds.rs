@@ -2,8 +2,11 @@
 
 use anyhow::Context;
 
-use super::adaptive::{Clock, integrate};
-use super::equations::{DISTANCE, ENERGY, Parameters, SOC, Stretch, UDDS, UDDS_TABLE, V, Vehicle};
+use super::adaptive::Clock;
+use super::composed::sets::{UDDS, UDDS_TABLE};
+use super::composed::{
+    Command, ComposedReference, DISTANCE, Description, ENERGY, Gates, MOST, SOC, V,
+};
 use super::tolerance::{self as t, Bound};
 use super::{Case, Checks};
 use crate::read::{cycle, vehicle};
@@ -63,29 +66,31 @@ pub(super) struct Trajectory {
     pub error: f64,
 }
 
-fn widen(range: &mut (f64, f64), x: f64) {
+pub(super) fn widen(range: &mut (f64, f64), x: f64) {
     *range = (range.0.min(x), range.1.max(x));
 }
 
 /// The adaptive solution along a route's speed.
-fn solve(p: Parameters, points: &[(f32, f32)]) -> anyhow::Result<Trajectory> {
-    let mut vehicle = Vehicle::new(p);
-    let mut y = Vehicle::at_rest(START_SOC);
+fn solve(p: Description, points: &[(f32, f32)]) -> anyhow::Result<Trajectory> {
+    let mut vehicle = ComposedReference::new(p)?;
+    let mut y = vehicle.rolling_at(0.0, START_SOC);
     let mut found = Trajectory { speed: vec![0.0], soc: vec![START_SOC], ..Trajectory::default() };
     let mut clock = Clock::new(PEAKS_S);
     let mut count = 0;
     for pair in points.windows(2) {
         let [(t0, v0), (t1, v1)] = [pair[0], pair[1]].map(|(t, v)| (f64::from(t), f64::from(v)));
-        vehicle.stretch = Stretch {
+        let command = Command {
+            gates: [Gates::ControlledDuty; MOST],
             from_s: t0,
             reference: v0,
             rate: (v1 - v0) / (t1 - t0),
-            ..Stretch::default()
+            ..Command::default()
         };
-        integrate(&mut vehicle, &mut y, (t0, t1), TOLERANCE, &mut clock, |t, y, vehicle| {
-            widen(&mut found.torque, vehicle.torque(y));
+        let span = (t0, t1);
+        vehicle.advance(&mut y, &command, span, TOLERANCE, &mut clock, |t, y, vehicle| {
+            widen(&mut found.torque, vehicle.torque(y, 0));
             widen(&mut found.current, vehicle.battery_a(t, y));
-            found.error = found.error.max((vehicle.stretch.reference_at(t) - y[V]).abs());
+            found.error = found.error.max((command.reference_at(t) - y[V]).abs());
             count += 1;
             if count % PER_ROW == 0 {
                 found.speed.push(y[V]);
@@ -179,7 +184,7 @@ pub fn step_sizes() -> anyhow::Result<Vec<StepRow>> {
     STEPS_MS.into_iter().map(row).collect()
 }
 
-fn both(checks: &mut Checks, name: &str, p: Parameters, bounds: &Bounds) -> anyhow::Result<()> {
+fn both(checks: &mut Checks, name: &str, p: Description, bounds: &Bounds) -> anyhow::Result<()> {
     let cycle = cycle::by_name("udds").context("no cycle `udds`")?;
     let vehicle = vehicle::load(name)?;
     let route = route(&cycle.points);
@@ -244,62 +249,4 @@ fn compare(
         check.quantity.insert_str(0, &step);
     }
     Ok(off)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::verify::adaptive::System;
-
-    /// The loop with the PID's smoothing as a state of its own.
-    struct Smoothed(Vehicle);
-
-    impl System<8> for Smoothed {
-        fn slope(&self, t: f64, y: &[f64; 8]) -> [f64; 8] {
-            let (head, duty) = (std::array::from_fn(|i| y[i]), y[7]);
-            let mut slope = [0.0; 8];
-            slope[..7].copy_from_slice(&self.0.slope_at(duty, t, &head));
-            slope[7] = 1e6 * (self.0.target(t, &head) - duty);
-            slope
-        }
-
-        fn margin(&self, t: f64, y: &[f64; 8]) -> f64 {
-            self.0.margin(t, &std::array::from_fn(|i| y[i]))
-        }
-
-        fn switch(&mut self, t: f64, y: &mut [f64; 8]) {
-            let mut head = std::array::from_fn(|i| y[i]);
-            self.0.switch(t, &mut head);
-            y[..7].copy_from_slice(&head);
-        }
-
-        fn scale(&self) -> [f64; 8] {
-            let mut scale = [1e-2; 8];
-            scale[..7].copy_from_slice(&self.0.scale());
-            scale
-        }
-    }
-
-    #[test]
-    fn eliminating_the_smoothing_changes_nothing_that_is_compared() {
-        let mut vehicle = Vehicle::new(UDDS);
-        vehicle.stretch = Stretch { rate: 1.5, ..Stretch::default() };
-        let (mut reduced, mut whole) = (vehicle, Smoothed(vehicle));
-        let mut y = Vehicle::at_rest(START_SOC);
-        let mut z = [0.0; 8];
-        z[..7].copy_from_slice(&y);
-        let (mut speeds, mut worst) = (Vec::new(), 0.0_f64);
-        let span = (0.0, 1.0);
-        integrate(&mut reduced, &mut y, span, 1e-10, &mut Clock::new(0.01), |_, y, _| {
-            speeds.push(y[V]);
-        })
-        .unwrap();
-        let mut speeds = speeds.into_iter();
-        integrate(&mut whole, &mut z, span, 1e-10, &mut Clock::new(0.01), |_, z, _| {
-            worst = worst.max((z[V] - speeds.next().unwrap()).abs());
-        })
-        .unwrap();
-        assert!(worst > 0.0 && worst < 1e-7, "{worst}");
-        assert!((y[SOC] - z[SOC]).abs() < 1e-9);
-    }
 }

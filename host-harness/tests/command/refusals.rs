@@ -164,6 +164,21 @@ fn steps() {
     }
 }
 
+/// The loop round the plant bounds the step, not the plant.
+#[test]
+fn steps_that_make_a_loop_useless() {
+    let driven = |args: &[&'static str]| [&["udds", "--no-ledger"], args].concat();
+    let long = driven(&["--dt-ms", "1000"]);
+    let stiff = driven(&["--dt-ms", "20", "--vehicle", "epowertrain-udds"]);
+    refused(
+        &sandbox(),
+        &[
+            (&long, &["bmw-i3-60ah: in steps of 1000 ms", "energy", "m/s RMS", "useless"]),
+            (&stiff, &["epowertrain-udds: in steps of 20 ms", "against steps of 1 ms"]),
+        ],
+    );
+}
+
 #[test]
 fn folders_that_cannot_take_the_output() {
     let sandbox = sandbox();

@@ -288,6 +288,28 @@ fn a_second_run_replaces_the_first_and_comes_to_the_same() {
 }
 
 #[test]
+fn what_a_long_step_costs_is_said() {
+    let sandbox = Sandbox::new();
+    let energy = |dt_ms| {
+        let summary = replayed(&sandbox, &["udds", "--no-ledger", "--dt-ms", dt_ms]);
+        let notes: Vec<_> = summary["notes"].as_array().unwrap().clone();
+        let error = summary.get("step_error").map(|e| e["energy_rel"].as_f64().unwrap());
+        (number(&summary, "battery_energy_kwh"), error, notes)
+    };
+    let (exact, none, _) = energy("1");
+    assert_eq!(none, None);
+    for (dt_ms, noted) in [("10", false), ("100", true), ("200", true)] {
+        let (kwh, error, notes) = energy(dt_ms);
+        close(error.unwrap(), kwh / exact - 1.0, 1e-9, "the error");
+        let found = notes.iter().any(|n| {
+            n.as_str().unwrap().starts_with(&format!("in steps of {dt_ms} ms the energy"))
+        });
+        assert_eq!(found, noted, "{dt_ms}: {notes:?}");
+        assert_eq!(error.unwrap().abs() > 0.005, noted, "{dt_ms}: {error:?}");
+    }
+}
+
+#[test]
 fn the_ledger_can_be_left_out() {
     let sandbox = Sandbox::new();
     let args = ["hwfet", "--dt-ms", "10"];

@@ -7,7 +7,7 @@
 //!
 //! Tests: below and in `mapped/tests.rs`; property `mapped`; case "battery with maps".
 
-use super::{BatteryParams, OpenCircuit};
+use super::{BatteryParams, OpenCircuit, VoltageLimits};
 use crate::error::{ParamError, check, limit, not_negative, positive, ratio};
 use crate::num::{Real, SocTable, clamp, exp};
 
@@ -323,6 +323,9 @@ pub struct MappedBatteryParams {
     /// Largest charge current \[A\], above zero; infinity for none.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub charge_limit_a: Real,
+    /// Lowest and highest voltage at the terminals; any by default.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub voltage_limits: VoltageLimits,
     /// How often resistances and temperature follow \[s\], above zero: well below the time in
     /// which state of charge or temperature change them.
     #[cfg_attr(feature = "serde", serde(default = "one_second"))]
@@ -365,6 +368,7 @@ impl MappedBatteryParams {
             capacity_ah: params.capacity_ah,
             discharge_limit_a: params.discharge_limit_a,
             charge_limit_a: params.charge_limit_a,
+            voltage_limits: params.voltage_limits,
             refresh_s: 1.0,
             open_circuit: params.open_circuit,
             hysteresis: HysteresisParams::NONE,
@@ -388,6 +392,7 @@ impl MappedBatteryParams {
         check!(positive("battery.capacity_ah", self.capacity_ah));
         check!(limit("battery.discharge_limit_a", self.discharge_limit_a));
         check!(limit("battery.charge_limit_a", self.charge_limit_a));
+        check!(self.voltage_limits.checked());
         check!(positive("battery.refresh_s", self.refresh_s));
         check!(self.open_circuit.checked());
         check!(self.hysteresis.checked());

@@ -8,8 +8,9 @@
 //! Tests: `tests` below; property `mapped`; cases "battery with maps", "UDDS, bmw-i3-60ah with its
 //! battery map".
 
+use super::limits::Ends;
 use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, is_possible, temperature};
-use super::{CurrentLimits, OpenCircuit, Room, SOC_MARGIN};
+use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
 use crate::error::{ParamError, check, ratio};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, LARGEST, Real, clamp, lag_gain, max, min, sane, sign};
@@ -54,7 +55,7 @@ pub struct MappedBattery {
     /// is lost in it.
     warming_k_per_j: Real,
     cooling_gain: Real,
-    room: Room,
+    ends: Ends,
 }
 
 /// The resistances at an operating point \[Ω\].
@@ -180,12 +181,13 @@ impl MappedBattery {
             refresh_steps,
             warming_k_per_j: (1.0 - cooling_gain) / capacity_j_per_k,
             cooling_gain,
-            room: Room::new(
+            ends: Ends::new(
                 capacity_c,
                 CurrentLimits {
                     discharge_a: limited.discharge_limit_a,
                     charge_a: limited.charge_limit_a,
                 },
+                params.voltage_limits,
                 dt,
             ),
         })
@@ -282,12 +284,19 @@ impl MappedBattery {
     /// The currents that the battery allows over the next step.
     #[inline]
     #[must_use]
-    pub const fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
+    pub fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
+        self.limits_of(state, || self.offer(state).0)
+    }
+
+    /// The same, where what the terminals offer may be known already.
+    #[inline(always)]
+    fn limits_of(&self, state: &MappedBatteryState, source: impl Fn() -> Source) -> CurrentLimits {
         let soc = state.soc.get();
-        CurrentLimits {
+        let limits = CurrentLimits {
             discharge_a: min(self.params.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
             charge_a: min(self.params.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
-        }
+        };
+        if self.ends.cut_off() { limits.within(self.ends.at_voltages(source())) } else { limits }
     }
 
     /// The state after one step under `current_a`, whatever the limits say.
@@ -305,7 +314,7 @@ impl MappedBattery {
         let soc_drop = current_a * self.soc_per_a;
         next.soc.add(-soc_drop);
         if self.params.hysteresis.half_gap_v > 0.0 {
-            let share = lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs());
+            let share = self.hysteresis_share(soc_drop);
             next.hysteresis.add(share * (-sign(current_a) - next.hysteresis.get()));
         }
         next.heat_j += overpotential_v * current_a * self.dt_s;
@@ -316,19 +325,58 @@ impl MappedBattery {
     /// charge that is left to go, over 0.1 s.
     #[inline]
     #[must_use]
-    pub const fn faded(&self, state: &MappedBatteryState) -> CurrentLimits {
-        self.limits(state).within(self.room.limits(state.soc.get()))
+    pub fn faded(&self, state: &MappedBatteryState) -> CurrentLimits {
+        self.limits(state).within(self.ends.faded(state.soc.get()))
     }
 
     /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
-    /// leads to `next` keeps every limit, clear of the ends of charge too ([`faded`](Self::faded)).
+    /// leads to `next` keeps every limit, as [`faded`](Self::faded) gives them, clear of the ends of
+    /// charge.
     #[inline]
     #[must_use]
-    pub const fn allows(&self, current_a: Real, least_a: Real, next: &MappedBatteryState) -> bool {
+    pub fn allows(&self, current_a: Real, least_a: Real, next: &MappedBatteryState) -> bool {
         current_a <= self.params.discharge_limit_a
             && least_a >= -self.params.charge_limit_a
-            && next.soc.get() >= self.room.empty
-            && next.soc.get() <= self.room.full
+            && (self.ends.are_far(next.soc.get()) || {
+                let [fast_v, slow_v] = next.polarisation_v;
+                let drop_v = next.now.series_ohm * current_a + (fast_v.get() + slow_v.get());
+                let (soc, hysteresis) = (next.soc.get(), next.hysteresis.get());
+                self.ends_allow(current_a, least_a, soc, hysteresis, drop_v, next.source_ohm)
+            })
+    }
+
+    /// Numbers and not a state: to hand that over would have every step keep it in memory.
+    #[cold]
+    #[inline(never)]
+    fn ends_allow(
+        &self,
+        current_a: Real,
+        least_a: Real,
+        next_soc: Real,
+        next_hysteresis: Real,
+        drop_v: Real,
+        source_ohm: Real,
+    ) -> bool {
+        if self.ends.are_near(next_soc) {
+            return false;
+        }
+        let soc_drop = current_a * self.soc_per_a;
+        let soc = next_soc + soc_drop;
+        // Hysteresis acts as it was before the step; where it may have been anything, the answer is
+        // no, and the limits themselves are looked at.
+        let share = self.hysteresis_share(soc_drop);
+        let hysteresis = (next_hysteresis + share * sign(current_a)) / (1.0 - share);
+        let terminal_v = self.params.open_circuit.at(soc)
+            + self.params.hysteresis.half_gap_v * hysteresis
+            - drop_v;
+        let least_v = terminal_v + source_ohm * (current_a - least_a);
+        self.ends.allow(soc, (current_a, terminal_v), (least_a, least_v))
+    }
+
+    /// How far a change of the state of charge moves the hysteresis.
+    #[inline(always)]
+    const fn hysteresis_share(&self, soc_drop: Real) -> Real {
+        lag_gain(self.params.hysteresis.rate_per_soc * soc_drop.abs())
     }
 
     /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
@@ -399,7 +447,7 @@ impl MappedBattery {
         input: MappedBatteryInput,
     ) -> MappedBatteryOutput {
         let (source, open_circuit_v) = self.offer(state);
-        let limits = self.limits(state);
+        let limits = self.limits_of(state, || source);
         let mut wanted_a = input.current_a;
         let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
         let mut next = *state;

@@ -11,12 +11,14 @@
 //! Tests: `tests` below; properties `charge`, `finite`, `monotony`, `refusal`; order of convergence
 //! in `tests/tests/order.rs`; case "battery".
 
+mod limits;
 mod map;
 mod mapped;
 mod open_circuit;
 mod pack;
 mod rc;
 
+pub use limits::{CurrentLimits, VoltageLimits};
 pub use map::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OverSoc, REFERENCE_C,
     ResistanceMap, ThermalParams, temperature_factor,
@@ -32,6 +34,7 @@ use crate::error::{ParamError, check, limit, positive, ratio};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, LARGEST, Real, clamp, max, min, sane};
 use crate::port::Source;
+use limits::Ends;
 
 /// A battery within this of 0 or 1 counts as depleted or full.
 pub const SOC_MARGIN: Real = 1e-6;
@@ -59,6 +62,9 @@ pub struct BatteryParams {
     /// Largest charge current \[A\], above zero; infinity for none.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::unlimited"))]
     pub charge_limit_a: Real,
+    /// Lowest and highest voltage at the terminals; any by default.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub voltage_limits: VoltageLimits,
 }
 
 /// A battery, discretised for one step.
@@ -69,6 +75,7 @@ pub struct BatteryParams {
 /// ```
 /// use plant_core::battery::{
 ///     Battery, BatteryInput, BatteryParams, BatteryState, OpenCircuit, RcBranchParams,
+///     VoltageLimits,
 /// };
 /// use plant_core::{Dt, ParamError, must};
 ///
@@ -80,6 +87,7 @@ pub struct BatteryParams {
 ///         polarisation: RcBranchParams { resistance_ohm: 0.02, capacitance_f: 1000.0 },
 ///         discharge_limit_a: 10.0,
 ///         charge_limit_a: 2.0,
+///         voltage_limits: VoltageLimits { lowest_v: 2.5, highest_v: 4.2 },
 ///     },
 ///     must!(Dt::from_s(1.0)),
 /// ));
@@ -104,40 +112,8 @@ pub struct Battery {
     capacity_c: Real,
     discharge_limit_a: Real,
     charge_limit_a: Real,
-    room: Room,
-}
-
-/// How long a coupled plant's limits take to fade at the ends of charge \[s\].
-const FADE_S: Real = 0.1;
-/// The limits fade over this share of the charge at most, however high they are.
-const MOST_FADE: Real = 1e-3;
-
-/// The ends of charge as a coupled plant sees them: a limit of one step, as
-/// [`limits`](Battery::limits) has it, would switch a winding's current off and on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Room {
-    a_per_soc: Real,
-    /// Below this state of charge discharging fades, above the other charging.
-    empty: Real,
-    full: Real,
-}
-
-impl Room {
-    const fn new(capacity_c: Real, limits: CurrentLimits, dt: Dt) -> Self {
-        let a_per_soc = capacity_c / max(FADE_S, dt.s());
-        Self {
-            a_per_soc,
-            empty: min(limits.discharge_a / a_per_soc, MOST_FADE),
-            full: 1.0 - min(limits.charge_a / a_per_soc, MOST_FADE),
-        }
-    }
-
-    const fn limits(&self, soc: Real) -> CurrentLimits {
-        CurrentLimits {
-            discharge_a: max(soc, 0.0) * self.a_per_soc,
-            charge_a: max(1.0 - soc, 0.0) * self.a_per_soc,
-        }
-    }
+    ends: Ends,
+    may_collapse: bool,
 }
 
 /// The state of a [`Battery`].
@@ -195,38 +171,6 @@ pub struct BatteryOutput {
     pub rejected: bool,
 }
 
-/// The currents that a battery, or what manages it, allows over the next step \[A\], both ≥ 0; none
-/// by default.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CurrentLimits {
-    /// Largest discharge current: the parameter, or what the remaining charge feeds for one step.
-    pub discharge_a: Real,
-    /// Largest charge current, likewise.
-    pub charge_a: Real,
-}
-
-impl Default for CurrentLimits {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
-impl CurrentLimits {
-    /// Any current.
-    pub const NONE: Self = Self { discharge_a: Real::INFINITY, charge_a: Real::INFINITY };
-
-    /// The lower of both, each way.
-    #[inline]
-    #[must_use]
-    pub const fn within(self, other: Self) -> Self {
-        Self {
-            discharge_a: min(self.discharge_a, other.discharge_a),
-            charge_a: min(self.charge_a, other.charge_a),
-        }
-    }
-}
-
 impl Battery {
     /// Checks `params` and discretises them for steps of `dt`.
     ///
@@ -243,17 +187,22 @@ impl Battery {
             charge_a: check!(limit("battery.charge_limit_a", params.charge_limit_a)),
         };
         let limits = limits.within(CurrentLimits { discharge_a: LARGEST, charge_a: LARGEST });
+        let open_circuit = check!(params.open_circuit.checked());
+        let source_resistance_ohm = series_resistance_ohm + rc.implicit_ohm();
         Ok(Self {
-            open_circuit: check!(params.open_circuit.checked()),
+            // At half of the voltage; a polarised battery has less.
+            may_collapse: limits.discharge_a * source_resistance_ohm
+                > 0.4 * open_circuit.lowest_v(),
+            open_circuit,
             series_resistance_ohm,
-            source_resistance_ohm: series_resistance_ohm + rc.implicit_ohm(),
+            source_resistance_ohm,
             rc,
             soc_per_a: dt.s() / capacity_c,
             a_per_soc: capacity_c / dt.s(),
             capacity_c,
             discharge_limit_a: limits.discharge_a,
             charge_limit_a: limits.charge_a,
-            room: Room::new(capacity_c, limits, dt),
+            ends: Ends::new(capacity_c, limits, check!(params.voltage_limits.checked()), dt),
         })
     }
 
@@ -269,12 +218,19 @@ impl Battery {
     /// The currents that the battery allows over the next step.
     #[inline]
     #[must_use]
-    pub const fn limits(&self, state: &BatteryState) -> CurrentLimits {
+    pub fn limits(&self, state: &BatteryState) -> CurrentLimits {
+        self.limits_of(state, || self.offer(state).0)
+    }
+
+    /// The same, where what the terminals offer may be known already.
+    #[inline(always)]
+    fn limits_of(&self, state: &BatteryState, source: impl Fn() -> Source) -> CurrentLimits {
         let soc = state.soc.get();
-        CurrentLimits {
+        let limits = CurrentLimits {
             discharge_a: min(self.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
             charge_a: min(self.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
-        }
+        };
+        if self.ends.cut_off() { limits.within(self.ends.at_voltages(source())) } else { limits }
     }
 
     /// The state after one step under `current_a`, whatever the limits say.
@@ -291,19 +247,33 @@ impl Battery {
     /// charge that is left to go, over 0.1 s.
     #[inline]
     #[must_use]
-    pub const fn faded(&self, state: &BatteryState) -> CurrentLimits {
-        self.limits(state).within(self.room.limits(state.soc.get()))
+    pub fn faded(&self, state: &BatteryState) -> CurrentLimits {
+        self.limits(state).within(self.ends.faded(state.soc.get()))
     }
 
     /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
-    /// leads to `next` keeps every limit, clear of the ends of charge too ([`faded`](Self::faded)).
+    /// leads to `next` keeps every limit, as [`faded`](Self::faded) gives them, clear of the ends of
+    /// charge.
     #[inline]
     #[must_use]
-    pub const fn allows(&self, current_a: Real, least_a: Real, next: &BatteryState) -> bool {
+    pub fn allows(&self, current_a: Real, least_a: Real, next: &BatteryState) -> bool {
+        let (soc, rc_v) = (next.soc.get(), next.rc.voltage_v.get());
         current_a <= self.discharge_limit_a
             && least_a >= -self.charge_limit_a
-            && next.soc.get() >= self.room.empty
-            && next.soc.get() <= self.room.full
+            && (self.ends.are_far(soc) || self.ends_allow(current_a, least_a, soc, rc_v))
+    }
+
+    /// Numbers and not a state: to hand that over would have every step keep it in memory.
+    #[cold]
+    #[inline(never)]
+    fn ends_allow(&self, current_a: Real, least_a: Real, next_soc: Real, rc_v: Real) -> bool {
+        if self.ends.are_near(next_soc) {
+            return false;
+        }
+        let soc = next_soc + current_a * self.soc_per_a;
+        let terminal_v = self.open_circuit.at(soc) - self.series_resistance_ohm * current_a - rc_v;
+        let least_v = terminal_v + self.source_resistance_ohm * (current_a - least_a);
+        self.ends.allow(soc, (current_a, terminal_v), (least_a, least_v))
     }
 
     /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
@@ -353,7 +323,7 @@ impl Battery {
     #[inline]
     pub fn step(&self, state: &mut BatteryState, input: BatteryInput) -> BatteryOutput {
         let (source, open_circuit_v) = self.offer(state);
-        let limits = self.limits(state);
+        let limits = self.limits_of(state, || source);
         let mut wanted_a = input.current_a;
         let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
         let mut next = *state;

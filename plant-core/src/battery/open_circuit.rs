@@ -29,6 +29,14 @@ pub enum OpenCircuit {
 const BISECTIONS: u32 = 26;
 
 impl OpenCircuit {
+    /// The voltage of an empty battery \[V\], the lowest.
+    pub(crate) const fn lowest_v(&self) -> Real {
+        match self {
+            Self::Linear { empty_v, .. } => *empty_v,
+            Self::Table(table) => table.values()[0],
+        }
+    }
+
     pub(crate) const fn checked(self) -> Result<Self, ParamError> {
         match &self {
             Self::Linear { empty_v, full_v } => {

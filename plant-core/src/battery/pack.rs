@@ -42,6 +42,9 @@ pub trait Pack: Copy {
     /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that
     /// leads to `next` keeps every limit.
     fn allows(&self, current_a: Real, least_a: Real, next: &Self::State) -> bool;
+    /// Whether the limits allow a current beyond that of the greatest power, where the voltage falls
+    /// faster than the current grows.
+    fn may_collapse(&self) -> bool;
     /// Books one step under `current_a`, which the limits allow. Returns what was
     /// charged beyond full all the same, or, negative, drawn beyond empty \[C\]: it is lost.
     fn settle(&self, state: &mut Self::State, current_a: Real) -> Real;
@@ -96,6 +99,11 @@ impl Pack for Battery {
     #[inline(always)]
     fn allows(&self, current_a: Real, least_a: Real, next: &BatteryState) -> bool {
         Self::allows(self, current_a, least_a, next)
+    }
+
+    #[inline(always)]
+    fn may_collapse(&self) -> bool {
+        self.may_collapse
     }
 
     #[inline(always)]
@@ -176,6 +184,12 @@ impl Pack for MappedBattery {
     #[inline(always)]
     fn allows(&self, current_a: Real, least_a: Real, next: &MappedBatteryState) -> bool {
         Self::allows(self, current_a, least_a, next)
+    }
+
+    // Its resistance depends on temperature and state of charge.
+    #[inline(always)]
+    fn may_collapse(&self) -> bool {
+        true
     }
 
     #[inline(always)]

@@ -10,6 +10,7 @@ const PARAMS: BatteryParams = BatteryParams {
     polarisation: RcBranchParams { resistance_ohm: 0.05, capacitance_f: 200.0 },
     discharge_limit_a: 100.0,
     charge_limit_a: 50.0,
+    voltage_limits: VoltageLimits::NONE,
 };
 
 fn battery(dt_s: Real) -> Battery {
@@ -155,12 +156,8 @@ fn energy_is_stored_as_charge_and_in_the_branch() {
 }
 
 #[test]
-fn what_it_allows_are_its_limits() {
+fn what_is_left_of_the_charge_limits_the_current() {
     let b = battery(1.0);
-    let allows = |soc, current_a| {
-        let s = BatteryState::rested(soc).unwrap();
-        b.allows(current_a, current_a, &b.next(&s, current_a))
-    };
     // 7200 C in all, so 10 A for 1 s take 0.14 %.
     for (soc, discharge_a, charge_a) in
         [(0.5, 100.0, 50.0), (0.001, 7.2, 50.0), (0.999, 100.0, 7.2)]
@@ -168,17 +165,7 @@ fn what_it_allows_are_its_limits() {
         let limits = b.limits(&BatteryState::rested(soc).unwrap());
         assert!((limits.discharge_a / discharge_a - 1.0).abs() < 1e-3, "{limits:?}");
         assert!((limits.charge_a / charge_a - 1.0).abs() < 1e-3, "{limits:?}");
-        for (current_a, allowed) in [
-            (0.0, true),
-            (0.99 * discharge_a, true),
-            (1.01 * discharge_a, false),
-            (-0.99 * charge_a, true),
-            (-1.01 * charge_a, false),
-        ] {
-            assert!(soc != 0.5 || allows(soc, current_a) == allowed, "{soc} {current_a}");
-        }
     }
-    assert!(allows(0.5, 100.0) && allows(0.5, -50.0), "the limits themselves");
     // In a plant of short steps they fade over 0.1 s, from where they would be used up by then.
     let b = battery(0.001);
     for (soc, discharge_a, charge_a) in
@@ -189,10 +176,76 @@ fn what_it_allows_are_its_limits() {
         assert!((faded.discharge_a / discharge_a - 1.0).abs() < 1e-3, "{soc}: {faded:?}");
         assert!((faded.charge_a / charge_a - 1.0).abs() < 1e-3, "{soc}: {faded:?}");
     }
-    for (soc, far) in [(0.0009, false), (0.0011, true), (0.9992, true), (0.9994, false)] {
-        let s = BatteryState::rested(soc).unwrap();
+}
+
+/// Beyond `faded` no step is allowed, and up to it any is, clear of the ends of charge: near a
+/// voltage, with high limits and with none.
+#[test]
+fn what_it_allows_is_what_is_left_of_its_limits() {
+    let voltages = VoltageLimits { lowest_v: 320.0, highest_v: 390.0 };
+    for (limit_a, dt_s) in [(100.0, 1e-3), (100.0, 1.0), (2000.0, 1e-3), (Real::INFINITY, 1e-3)] {
+        for voltage_limits in [VoltageLimits::NONE, voltages] {
+            let limits = BatteryParams {
+                discharge_limit_a: limit_a,
+                charge_limit_a: limit_a,
+                voltage_limits,
+                ..PARAMS
+            };
+            let b = Battery::new(limits, Dt::from_s(dt_s).unwrap()).unwrap();
+            for soc in [5e-4, 1.5e-3, 2e-3, 0.01, 0.205, 0.5, 0.895, 0.99, 0.998, 0.9985, 0.9995] {
+                let mut s = BatteryState::rested(soc).unwrap();
+                s.rc.voltage_v = Accum::new(0.7);
+                let faded = b.faded(&s);
+                for share in [0.0, 0.5, 0.98, 1.02, 1.5, 30.0] {
+                    for current_a in [share * faded.discharge_a, -share * faded.charge_a] {
+                        if current_a.abs() > 1e8 || current_a == 0.0 {
+                            continue;
+                        }
+                        let next = b.next(&s, current_a);
+                        let clear = (2e-3..=0.998).contains(&next.soc.get());
+                        let allowed = b.allows(current_a, current_a, &next);
+                        let told = (limit_a, dt_s, soc, current_a, faded);
+                        assert!(!allowed || share <= 1.0, "{told:?}");
+                        assert!(allowed || !clear || share > 1.0, "{told:?}");
+                    }
+                }
+            }
+        }
+    }
+    // Near the ends the limits are looked at in any case.
+    for (soc, far) in [(0.0009, false), (0.0014, true), (0.9992, true), (0.9994, false)] {
+        let (b, s) = (battery(0.001), BatteryState::rested(soc).unwrap());
         assert_eq!(b.allows(0.0, 0.0, &b.next(&s, 0.0)), far, "{soc}");
     }
+}
+
+/// As a constant-current discharge or charge ends: at the voltage, with what keeps it.
+#[test]
+fn voltages_limit_the_current() {
+    let voltage_limits = VoltageLimits { lowest_v: 320.0, highest_v: 390.0 };
+    for (soc, current_a, end_v) in [(0.3, 60.0, 320.0), (0.8, -40.0, 390.0)] {
+        let b = Battery::new(BatteryParams { voltage_limits, ..PARAMS }, Dt::from_s(0.1).unwrap());
+        let (b, mut s) = (b.unwrap(), BatteryState::rested(soc).unwrap());
+        let (mut last_a, mut refused_c, mut steps) = (current_a, 0.0, 0);
+        for _ in 0..3000 {
+            let out = b.step(&mut s, load(current_a));
+            assert!((out.terminal_v - end_v) * current_a >= -1e-2, "beyond: {out:?}");
+            // It only ever falls, and keeps the voltage from then on.
+            assert!(out.current_a.abs() <= last_a.abs() + 1e-3, "{out:?} after {last_a}");
+            assert!(out.current_a == current_a || (out.terminal_v - end_v).abs() < 1e-3, "{out:?}");
+            steps += u32::from(out.current_a != current_a);
+            (last_a, refused_c) = (out.current_a, refused_c + out.refused_charge_c);
+        }
+        assert!(steps > 1000 && last_a.abs() < 0.3 * current_a.abs(), "{steps} {last_a}");
+        assert!(refused_c * current_a > 0.0);
+        // The other way is open.
+        assert_eq!(b.step(&mut s, load(-0.5 * current_a)).current_a, -0.5 * current_a);
+    }
+    // Beyond a limit at rest already, nothing flows that way.
+    let b = Battery::new(BatteryParams { voltage_limits, ..PARAMS }, Dt::from_s(0.1).unwrap());
+    let (b, mut s) = (b.unwrap(), BatteryState::rested(0.1).unwrap());
+    assert_eq!(b.step(&mut s, load(50.0)).current_a, 0.0);
+    assert_eq!(b.step(&mut s, load(-50.0)).current_a, -50.0);
 }
 
 #[test]

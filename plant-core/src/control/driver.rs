@@ -99,7 +99,8 @@ pub struct DriverOutput {
 pub struct DriverState {
     /// The speed controller.
     pub speed: PidState,
-    last_duty: Real,
+    /// Duty or torque.
+    last: Real,
     last_brake_n: Real,
     last_m_s: Option<Real>,
 }
@@ -131,10 +132,10 @@ pub enum Driver {
     /// See [`DriverParams::Duty`].
     Duty(Pid),
     /// See [`DriverParams::Torque`].
-    Torque(TorqueDriver),
+    Torque(TorqueDriver, CurrentLoop),
 }
 
-/// The driver of a real vehicle, see [`DriverParams::Torque`]; [`Driver`] holds one.
+/// The driver of a real vehicle, see [`DriverParams::Torque`]: from speed to torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueDriver {
     params: TorqueDriverParams,
@@ -145,13 +146,31 @@ pub struct TorqueDriver {
     /// Speed that a force at the road adds within one step \[m/(s·N)\].
     m_s_per_n: Real,
     weight_n: Real,
-    torque_nm_per_a: Real,
-    /// The current controller's voltage per commanded torque \[V/(N·m)\].
+    full_regen_soc: Real,
+}
+
+/// The current controller of a DC machine: from torque to duty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurrentLoop {
+    /// Voltage per commanded torque \[V/(N·m)\].
     v_per_nm: Real,
     back_emf_v_s_per_m: Real,
     drop_v: Real,
-    current_gain_ohm: Real,
-    full_regen_soc: Real,
+    gain_ohm: Real,
+}
+
+/// What a [`TorqueDriver`] asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Demand {
+    /// Torque of all motors, as felt at the shaft of the first \[N·m\].
+    pub torque_nm: Real,
+    /// Force of the friction brake \[N\], ≥ 0.
+    pub brake_n: Real,
+    /// The speed expected at the end of the step \[m/s\].
+    pub ahead_m_s: Real,
+    /// An input was not finite or absurd: the driver holds its last command.
+    pub rejected: bool,
 }
 
 impl Driver {
@@ -166,9 +185,10 @@ impl Driver {
     ) -> Result<Self, ParamError> {
         match params {
             DriverParams::Duty(pid) => Ok(Self::Duty(check!(Pid::new(pid, dt)))),
-            DriverParams::Torque(torque) => {
-                Ok(Self::Torque(check!(TorqueDriver::new(torque, vehicle, dt))))
-            }
+            DriverParams::Torque(torque) => Ok(Self::Torque(
+                check!(TorqueDriver::new(torque, vehicle, dt)),
+                check!(CurrentLoop::new(torque.current_rate_per_s, vehicle, dt)),
+            )),
         }
     }
 
@@ -188,7 +208,16 @@ impl Driver {
                 );
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
-            Self::Torque(driver) => driver.step(state, input),
+            Self::Torque(driver, current) => {
+                let (demand, mut next, magnitude) = driver.wanted(state, &input);
+                let duty = current.duty(&demand, &input.vehicle);
+                let rejected = demand.rejected || !sane(duty.abs() + magnitude);
+                if !rejected {
+                    next.last = duty;
+                    *state = next;
+                }
+                DriverOutput { duty: state.last, brake_n: state.last_brake_n, rejected }
+            }
         }
     }
 }
@@ -204,14 +233,69 @@ impl Model for Driver {
     }
 }
 
+impl CurrentLoop {
+    /// Checks the bandwidth \[1/s\] and fits the controller to a vehicle, for steps of `dt`.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    const fn new<P>(
+        rate_per_s: Real,
+        vehicle: &PowertrainParams<P>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        let rate = check!(positive("driver.torque.current_rate_per_s", rate_per_s));
+        let (motor, converter) = (&vehicle.drives.motor, &vehicle.drives.converter);
+        let kt = check!(positive("motor.torque_nm_per_a", motor.torque_nm_per_a));
+        // At most L/h, so that the loop is stable at any step.
+        let gain_ohm = motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s());
+        let rad_per_m = vehicle.drives.gearbox.ratio / vehicle.wheel.radius_m;
+        Ok(Self {
+            v_per_nm: (gain_ohm + motor.resistance_ohm + converter.resistance_ohm) / kt,
+            back_emf_v_s_per_m: motor.back_emf_v_s_per_rad * rad_per_m,
+            drop_v: converter.voltage_drop_v,
+            gain_ohm,
+        })
+    }
+
+    #[inline(always)]
+    fn duty(&self, demand: &Demand, vehicle: &Feedback) -> Real {
+        let voltage_v = self.v_per_nm * demand.torque_nm - self.gain_ohm * vehicle.motor_a
+            + self.back_emf_v_s_per_m * demand.ahead_m_s
+            + self.drop_v * sign(demand.torque_nm);
+        voltage_v / max(vehicle.battery_v, 1.0)
+    }
+}
+
 impl TorqueDriver {
-    /// Checks `params` and fits the driver to a vehicle, for steps of `dt`.
+    /// Checks `params` and fits the driver to a vehicle with one DC machine, for steps of `dt`.
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
     pub const fn new<P>(
         params: TorqueDriverParams,
         vehicle: &PowertrainParams<P>,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        let radius_m = check!(positive("wheel.radius_m", vehicle.wheel.radius_m));
+        let ratio = check!(positive("gearbox.ratio", vehicle.drives.gearbox.ratio));
+        let motor_rad_per_m = ratio / radius_m;
+        let inertia = vehicle.drives.motor.inertia_kg_m2 + vehicle.drives.gearbox.inertia_kg_m2;
+        let mass_kg = vehicle.body.mass_kg
+            + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
+            + inertia * motor_rad_per_m * motor_rad_per_m;
+        Self::fitted(params, motor_rad_per_m, vehicle.body.mass_kg, mass_kg, dt)
+    }
+
+    /// The same for any plant; its torques are those of all motors, as felt at the shaft of the
+    /// first, which turns by `motor_rad_per_m` per metre.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn fitted(
+        params: TorqueDriverParams,
+        motor_rad_per_m: Real,
+        body_kg: Real,
+        moving_kg: Real,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         check!(limit("driver.torque.peak_torque_nm", params.peak_torque_nm));
@@ -221,32 +305,14 @@ impl TorqueDriver {
         check!(positive("driver.torque.regen_fade_m_s", params.regen_fade_m_s));
         let fade_soc = check!(positive("driver.torque.regen_fade_soc", params.regen_fade_soc));
         check!(positive("driver.torque.brake_limit_n", params.brake_limit_n));
-        let rate = check!(positive("driver.torque.current_rate_per_s", params.current_rate_per_s));
-        let radius_m = check!(positive("wheel.radius_m", vehicle.wheel.radius_m));
-        let ratio = check!(positive("gearbox.ratio", vehicle.gearbox.ratio));
-        let kt = check!(positive("motor.torque_nm_per_a", vehicle.motor.torque_nm_per_a));
-        let motor_rad_per_m = ratio / radius_m;
-        let inertia = vehicle.motor.inertia_kg_m2 + vehicle.gearbox.inertia_kg_m2;
-        // At most L/h, so that the loop is stable at any step.
-        let current_gain_ohm = vehicle.motor.inductance_h * (lag_gain(dt.s() * rate) / dt.s());
-        let mass_kg = vehicle.body.mass_kg
-            + vehicle.wheel.inertia_kg_m2 / (radius_m * radius_m)
-            + inertia * motor_rad_per_m * motor_rad_per_m;
+        check!(positive("driver.torque.current_rate_per_s", params.current_rate_per_s));
         Ok(Self {
             speed: check!(Pid::new(params.speed, dt)),
             motor_rad_per_m,
             per_motor_rad_m: 1.0 / motor_rad_per_m,
-            mass_kg,
-            m_s_per_n: dt.s() / mass_kg,
-            weight_n: vehicle.body.mass_kg * GRAVITY_M_S2,
-            torque_nm_per_a: kt,
-            v_per_nm: (current_gain_ohm
-                + vehicle.motor.resistance_ohm
-                + vehicle.converter.resistance_ohm)
-                / kt,
-            back_emf_v_s_per_m: vehicle.motor.back_emf_v_s_per_rad * motor_rad_per_m,
-            drop_v: vehicle.converter.voltage_drop_v,
-            current_gain_ohm,
+            mass_kg: moving_kg,
+            m_s_per_n: dt.s() / moving_kg,
+            weight_n: body_kg * GRAVITY_M_S2,
             full_regen_soc: 1.0 - fade_soc,
             params,
         })
@@ -286,33 +352,43 @@ impl TorqueDriver {
 
     /// Decides on one step.
     #[inline(always)]
-    pub fn step(&self, state: &mut DriverState, input: DriverInput) -> DriverOutput {
-        let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
-        let (v, i) = (vehicle.speed_m_s, vehicle.motor_a);
+    pub fn step(&self, state: &mut DriverState, input: DriverInput) -> Demand {
+        let (mut demand, mut next, magnitude) = self.wanted(state, &input);
+        demand.rejected |= !sane(magnitude);
+        if demand.rejected {
+            (demand.torque_nm, demand.brake_n) = (state.last, state.last_brake_n);
+        } else {
+            next.last = demand.torque_nm;
+            *state = next;
+        }
+        demand
+    }
+
+    /// What the driver wants, the state that follows, and the magnitude of all that it saw.
+    #[inline(always)]
+    fn wanted(&self, state: &DriverState, input: &DriverInput) -> (Demand, DriverState, Real) {
+        let DriverInput { reference_m_s, reference_m_s2, vehicle } = *input;
+        let v = vehicle.speed_m_s;
         let mut next = *state;
         let controller =
             self.speed.step(&mut next.speed, PidInput { reference: reference_m_s, measurement: v });
         let force_n = controller.output + self.mass_kg * reference_m_s2;
         let wanted_nm = force_n * self.per_motor_rad_m;
-        let (mut command_nm, mut brake_n) = (wanted_nm, 0.0);
+        let (mut torque_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
         if !free || vehicle.limited {
-            (command_nm, brake_n) = self.blend(&mut next, &input, wanted_nm);
+            (torque_nm, brake_n) = self.blend(&mut next, input, wanted_nm);
         }
-        let ahead_m_s = self.ahead_m_s(state, &vehicle, command_nm, brake_n);
-        let voltage_v = self.v_per_nm * command_nm - self.current_gain_ohm * i
-            + self.back_emf_v_s_per_m * ahead_m_s
-            + self.drop_v * sign(command_nm);
-        let duty = voltage_v / max(vehicle.battery_v, 1.0);
-
-        let sound = !controller.rejected
-            && sane(duty.abs() + brake_n + force_n.abs() + vehicle.soc.abs())
-            && sane(i.abs() + reference_m_s2.abs() + vehicle.battery_v.abs());
-        if sound {
-            let last_m_s = Some(v);
-            *state = DriverState { last_duty: duty, last_brake_n: brake_n, last_m_s, ..next };
-        }
-        DriverOutput { duty: state.last_duty, brake_n: state.last_brake_n, rejected: !sound }
+        let ahead_m_s = self.ahead_m_s(state, &vehicle, torque_nm, brake_n);
+        (next.last_brake_n, next.last_m_s) = (brake_n, Some(v));
+        let magnitude = brake_n
+            + force_n.abs()
+            + vehicle.soc.abs()
+            + vehicle.motor_a.abs()
+            + vehicle.motor_nm.abs()
+            + reference_m_s2.abs()
+            + vehicle.battery_v.abs();
+        (Demand { torque_nm, brake_n, ahead_m_s, rejected: controller.rejected }, next, magnitude)
     }
 
     /// The speed at the end of the step to come, whose back-EMF the current will meet: it changes
@@ -327,8 +403,7 @@ impl TorqueDriver {
     ) -> Real {
         let v = vehicle.speed_m_s;
         let Some(last_m_s) = state.last_m_s else { return v };
-        let motor_nm = self.torque_nm_per_a * vehicle.motor_a;
-        let mut more_n = (command_nm - motor_nm) * self.motor_rad_per_m;
+        let mut more_n = (command_nm - vehicle.motor_nm) * self.motor_rad_per_m;
         if brake_n != state.last_brake_n || brake_n > 0.0 {
             if v.abs() < STANDSTILL_M_S {
                 return v;
@@ -355,7 +430,7 @@ impl TorqueDriver {
         let forward = if standing { input.reference_m_s >= 0.0 } else { v > 0.0 };
         // From here on torques and forces count in the direction of motion.
         let direction = if forward { 1.0 } else { -1.0 };
-        let motor_nm = direction * self.torque_nm_per_a * vehicle.motor_a;
+        let motor_nm = direction * vehicle.motor_nm;
         let slope_n = direction * self.weight_n * vehicle.slope_sin;
         if standing && slope_n > max(motor_nm * self.motor_rad_per_m, 0.0) {
             return self.start_on_hill(state, input, direction, slope_n);
@@ -363,7 +438,7 @@ impl TorqueDriver {
         let wanted_nm = direction * wanted_nm;
         let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
         if direction * input.reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
-            // Rolling the wrong way: to drive against it is no regeneration to fade.
+            // Rolling in the wrong direction: to drive against it is no regeneration to fade.
             command_nm = max(min(command_nm, wanted_nm), -self.params.peak_torque_nm);
         }
         let mut short_nm = command_nm - wanted_nm;

@@ -2,7 +2,7 @@
 //!
 //! Each step finds the [reference](mod@reference) currents (least current for the torque, field
 //! weakening on the voltage circle, limits of current and torque) and moves the measured currents
-//! a share of the way there with a model of the winding, both axes decoupled. What the model lacks
+//! a share of the distance with a model of the winding, both axes decoupled. What the model lacks
 //! is seen as a voltage by comparing the currents that it foresaw with those that came, and made
 //! up for: the integral part of a PI controller with active damping \[Harnefors1998\],
 //! which knows of the voltage limit and therefore never winds up.

@@ -17,25 +17,28 @@ use crate::model::impl_model;
 use crate::num::{Real, clamp, sane, sign};
 use crate::port::Source;
 
-/// What a converter is told.
+/// What the converter of a machine is told; `M` is what it modulates with: a duty, or a voltage of
+/// both axes of a machine with three phases.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Gates {
+pub enum Gates<M = Real> {
     /// Gates off: only the diodes conduct, and only where the back-EMF exceeds the input's voltage.
     #[default]
     Off,
-    /// A duty.
-    On(Real),
+    /// A modulation.
+    On(M),
+    /// A torque \[N·m\], by an ideal current loop that knows the machine.
+    Torque(Real),
 }
 
-impl Gates {
-    /// The duty, or 0 with gates off.
+impl<M: Copy> Gates<M> {
+    /// The modulation, where one is commanded.
     #[inline]
     #[must_use]
-    pub const fn duty(self) -> Real {
+    pub const fn modulation(self) -> Option<M> {
         match self {
-            Self::Off => 0.0,
-            Self::On(duty) => duty,
+            Self::On(modulation) => Some(modulation),
+            Self::Off | Self::Torque(_) => None,
         }
     }
 }
@@ -128,6 +131,12 @@ pub struct ConverterOutput {
     pub rejected: bool,
 }
 
+/// A constant loss as a shunt \[S\]: `P_0/V²`; none without voltage.
+#[inline]
+pub(crate) const fn shunt_s(constant_loss_w: Real, input_v: Real) -> Real {
+    if constant_loss_w > 0.0 && input_v > 1.0 { constant_loss_w / (input_v * input_v) } else { 0.0 }
+}
+
 impl Converter {
     /// Checks `params`.
     ///
@@ -140,13 +149,6 @@ impl Converter {
         check!(not_negative("converter.resistance_ohm", params.resistance_ohm));
         check!(limit("converter.current_limit_a", params.current_limit_a));
         Ok(Self { params })
-    }
-
-    /// Whether it loses nothing at all.
-    #[inline]
-    pub(crate) const fn is_ideal(&self) -> bool {
-        let p = &self.params;
-        p.constant_loss_w == 0.0 && p.voltage_drop_v == 0.0 && p.resistance_ohm == 0.0
     }
 
     /// The duty that the limit allows. One that is absurd stays so, for the caller to see.
@@ -164,15 +166,11 @@ impl Converter {
         }
     }
 
-    /// The constant loss as a shunt at the input \[S\]: `P_0/V²`; none without voltage.
+    /// The constant loss as a shunt at the input \[S\].
     #[inline]
     #[must_use]
     pub const fn shunt_s(&self, input_v: Real) -> Real {
-        if self.params.constant_loss_w > 0.0 && input_v > 1.0 {
-            self.params.constant_loss_w / (input_v * input_v)
-        } else {
-            0.0
-        }
+        shunt_s(self.params.constant_loss_w, input_v)
     }
 
     /// A source as seen through `duty`: `D·emf` behind `D²·R`; the converter's own losses come on

@@ -11,6 +11,10 @@
 //! Tests: `tests` below; properties `finite`, `passivity`, `refusal`, `symmetry`; order of
 //! convergence in `tests/tests/order.rs`; cases "DC motor step".
 
+mod drive;
+
+pub use drive::{DcDrive, DcDriveOutput, DcLink};
+
 use crate::error::{ParamError, check, not_negative, positive};
 use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, sane};
@@ -136,12 +140,6 @@ pub struct CurrentLaw {
 }
 
 impl CurrentLaw {
-    /// Nothing flows after this step.
-    #[inline]
-    pub(crate) const fn blocked(current_a: Real) -> Self {
-        Self { free_a: -current_a, per_speed: 0.0 }
-    }
-
     /// The current increment for the speed increment that the step found \[A\].
     #[inline]
     #[must_use]
@@ -161,12 +159,6 @@ impl Winding {
             effort_emf: self.effort_emf * (ratio * ratio),
             ..self
         }
-    }
-
-    /// What drives the current over one step beside a source \[V\]: `L/h·i − Ke·ω`.
-    #[inline]
-    pub(crate) const fn free_v(&self, current_a: Real, speed: Real) -> Real {
-        self.inductance_per_h_ohm * current_a - self.back_emf * speed
     }
 
     /// What the machine offers over one step on `source`, the winding eliminated, and the current

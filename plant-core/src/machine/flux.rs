@@ -124,7 +124,7 @@ impl Flux {
     }
 
     /// Energy of the field at a current, less that without current \[J\]: `3/2·(i·ψ − ∫ψ·di)`,
-    /// along the straight way. Not for a hot step: a map is read 65 times.
+    /// along the straight line. Not for a hot step: a map is read 65 times.
     #[must_use]
     pub fn energy_j(&self, current_a: Dq) -> Real {
         match self {
@@ -328,7 +328,7 @@ impl FluxMap {
         LinearFlux { magnet_wb: point.flux_wb.d - point.dd_h * current_a.d, d_h: point.dd_h, q_h }
     }
 
-    /// The mean of the flux on the straight way from no current, by Simpson's rule.
+    /// The mean of the flux on the straight line from no current, by Simpson's rule.
     fn mean_wb(&self, to: Dq) -> Dq {
         const PIECES: u8 = 32;
         let (mut sum, share) = (Dq::ZERO, 1.0 / (2.0 * Real::from(PIECES)));

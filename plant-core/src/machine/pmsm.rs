@@ -34,8 +34,10 @@ use crate::model::{Dt, impl_model};
 use crate::num::{Accum, Real, sane, sound};
 use crate::port::{Coast, Slip, project};
 
+mod drive;
 mod winding;
 
+pub use drive::{DqCurrents, PmsmDrive, PmsmDriveOutput, PmsmLink};
 pub use winding::{DqLaw, DqWinding};
 
 /// The temperature at which resistances are given \[°C\].

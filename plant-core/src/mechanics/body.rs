@@ -2,7 +2,8 @@
 //!
 //! `M·dv/dt = F − ½·ρ·C_d·A_f·v·|v| − C_r·M·g·cos α·sgn(v) − M·g·sin α − F_brake·sgn(v)`
 //! \[EPowertrain2025, eq. 3.10 to 3.15; the print divides by `A_f`\]. Wind, brake and the road load
-//! `A + B·v + C·v²` of a coast-down test are ours.
+//! `A + B·v + C·v²` of a coast-down test are ours, and so are the factors of air density and rolling
+//! resistance that a step may bring.
 //!
 //! Drag with wind w is taken as `c·|v + w|·(v' + w)`, v' the new speed; rolling resistance and
 //! brake are set-valued and projected once, so standstill is exact and holds on a slope.
@@ -53,7 +54,8 @@ pub enum RoadResistance {
         /// A: the part that does not depend on speed \[N\], ≥ 0.
         a_n: Real,
         /// B: the part that grows with speed \[N·s/m\]. A fit may find it negative: down to −2·√(A·C),
-        /// where the force is positive at any speed, and to half of the mass over the step.
+        /// where the force is positive at any speed (with the [`Road`]'s factors at 1), and to half
+        /// of the mass over the step.
         b_n_s_per_m: Real,
         /// C: the part that grows with its square \[N·s²/m²\], ≥ 0; it takes the wind.
         c_n_s2_per_m2: Real,
@@ -99,8 +101,8 @@ pub struct BodyState {
     pub distance_m: Accum,
 }
 
-/// The road and the weather over one step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The road and the weather over one step; by default flat, calm and as the parameters have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Road {
     /// The slope, no steeper than 45°.
@@ -109,19 +111,40 @@ pub struct Road {
     pub headwind_m_s: Real,
     /// Force of the friction brake \[N\], ≥ 0.
     pub brake_n: Real,
+    /// Density of the air over that of the parameters, ≥ 0: with it drag, or C of a coast-down
+    /// test, grows.
+    pub air_density_factor: Real,
+    /// Rolling resistance over that of the parameters, ≥ 0, for cold tyres or a wet road: with it
+    /// the rolling resistance, or A of a coast-down test, grows.
+    pub rolling_factor: Real,
+}
+
+impl Default for Road {
+    fn default() -> Self {
+        Self {
+            grade: Grade::default(),
+            headwind_m_s: 0.0,
+            brake_n: 0.0,
+            air_density_factor: 1.0,
+            rolling_factor: 1.0,
+        }
+    }
 }
 
 impl Road {
     /// The sum of its magnitudes but the slope's, for one check of all.
     #[inline]
     pub(crate) const fn magnitude(&self) -> Real {
-        self.headwind_m_s.abs() + self.brake_n.abs()
+        self.headwind_m_s.abs() + self.brake_n.abs() + self.air_density_factor + self.rolling_factor
     }
 
-    /// Whether the slope and the brake can be.
+    /// Whether the slope, the brake and the factors can be.
     #[inline(always)]
     pub(crate) const fn is_possible(&self) -> bool {
-        self.grade.is_possible() && self.brake_n >= 0.0
+        self.grade.is_possible()
+            && self.brake_n >= 0.0
+            && self.air_density_factor >= 0.0
+            && self.rolling_factor >= 0.0
     }
 }
 
@@ -249,13 +272,15 @@ impl Body {
     #[must_use]
     pub const fn resistance(&self, road: &Road, coast: Coast, speed_m_s: Real) -> Resistance {
         let air_m_s = speed_m_s + road.headwind_m_s;
-        let drag_n_s_per_m = self.drag_n_s2_per_m2 * air_m_s.abs();
+        let drag_n_s_per_m = self.drag_n_s2_per_m2 * road.air_density_factor * air_m_s.abs();
         Resistance {
             force_n: -(drag_n_s_per_m * air_m_s
                 + coast.viscous * speed_m_s
                 + self.weight_n * road.grade.sin),
             slope_n_s_per_m: coast.slope() + drag_n_s_per_m,
-            friction_n: self.rolling_n * road.grade.cos + road.brake_n + coast.coulomb,
+            friction_n: self.rolling_n * road.rolling_factor * road.grade.cos
+                + road.brake_n
+                + coast.coulomb,
             drag_n_s_per_m,
         }
     }

@@ -68,6 +68,7 @@ mod tests {
     use std::string::{String, ToString};
 
     use crate::auxiliary::AuxiliaryParams;
+    use crate::battery::VoltageLimits;
     use crate::control::pid::PidParams;
     use crate::num::Real;
 
@@ -83,6 +84,15 @@ mod tests {
         let limited = PidParams { output_min: -0.1, output_max: 0.7, ..PidParams::DEFAULT };
         let text = json(&limited).unwrap();
         assert_eq!(serde_json::from_str::<PidParams>(&text).unwrap(), limited);
+    }
+
+    #[test]
+    fn one_voltage_may_be_limited_alone() {
+        let read = |text| serde_json::from_str::<VoltageLimits>(text).unwrap();
+        assert_eq!(json(&VoltageLimits::NONE).unwrap(), r#"{"lowest_v":null,"highest_v":null}"#);
+        assert_eq!(read(r#"{"lowest_v":null,"highest_v":null}"#), VoltageLimits::NONE);
+        let lowest = VoltageLimits { lowest_v: 2.5, ..VoltageLimits::NONE };
+        assert_eq!(read(r#"{"lowest_v":2.5}"#), lowest);
     }
 
     #[test]

@@ -1,241 +1,211 @@
-//! Limits: they act on the duty, so both sides of the converter agree.
+//! Limits: they act on the commands, so both sides of the converters agree.
 //!
-//! Within a friction mode the speed is linear in the winding current x, and so is the winding's
-//! voltage `e + r·x + l·(x − i)`. The limits bound the power on the bus, that is a quadratic in x;
-//! the nearest x that keeps them gives the voltage, the bus and the duty. It is ours.
+//! Within a friction mode the speed is linear in the winding currents, and so are the windings'
+//! voltages. The limits bound the power on the bus; each drive says which current, nearest to what it
+//! wants, keeps its share ([`Machine::hold`](crate::machine::Machine::hold)). The currents give the
+//! forces, these the speed, both the power, that the bus voltage, and all the commands. It is ours.
 //!
-//! Tests: `tests` below, and those of the powertrain over many steps; property `limits`.
+//! Tests: those of the powertrain over many steps; property `limits`.
 
-use super::solve::{Solution, Start};
+use super::drives::{Drives, Mode};
+use super::solve::{Loads, Walk};
 use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::{CurrentLimits, Pack};
-use crate::converter::Gates;
-use crate::mechanics::body::Resistance;
-use crate::num::{LARGEST, Real, clamp, max, min, sign, sqrt};
+use crate::machine::{Held, Solved};
+use crate::mechanics::body::{Motion, Resistance};
+use crate::num::{LARGEST, Real, clamp, max, min, sqrt};
 use crate::port::{Slip, Source};
 use crate::powertrain::ledger::Book;
 
-/// How often the friction mode may change while the duty is sought; there are three modes.
+/// How often the friction mode may change while the currents are sought; there are three modes.
 const TRIES: u32 = 3;
 /// What flows beyond a limit counts as exceeding it from this share of the current on.
 const EXCEEDED_REL: Real = 1e-3;
 /// And from this much on \[A\].
-const EXCEEDED_A: Real = 1e-3;
+const EXCEEDED_A: Real = 2e-3;
 
 /// Of the current of a battery's greatest power, what a limit beyond it leaves: at the greatest
 /// power itself a current does not follow from a power in single precision; here 99.9 % of it do.
 const GREATEST: Real = 0.97;
+/// The share of the voltage that is left there.
+pub(super) const COLLAPSED: Real = 1.0 - 0.5 * GREATEST;
 
-/// A step that keeps the limits, as far as a duty can.
-pub(super) struct Held {
-    pub solution: Solution,
+/// A step that keeps the limits, as far as commands can.
+pub(super) struct Kept<K> {
+    pub walk: Walk<K>,
     pub limited: Limited,
     pub starved: bool,
+    /// What draws beside the drives; less where that is starved.
+    pub loads: Loads,
     /// What flows beyond the battery's limits all the same \[A\].
     pub exceeded_a: Real,
 }
 
-impl<L: Book, B: Pack> Powertrain<L, B> {
+impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
     /// The step again, so that the limits are kept: the auxiliary loads are cut off where nothing
-    /// feeds them, then the duty is held back.
+    /// feeds them, then the commands are held back.
     ///
-    /// It works out for itself where the step starts from, and takes numbers one by one: to be
-    /// handed more would have every step keep it in memory, for the sake of the few that come here.
+    /// It takes values, not references: what is lent to a call lies in memory, in every step.
     #[cold]
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "see above")]
-    pub(super) fn hold_limits(
+    pub(super) fn keep_limits(
         &self,
-        state: &PowertrainState<L, B::State>,
-        gates: Gates,
-        auxiliary_w: Real,
+        state: &PowertrainState<L, B::State, D::State>,
+        command: D::Command,
         asked: CurrentLimits,
-        force_n: Real,
-        slope_n_s_per_m: Real,
-        friction_n: Real,
-    ) -> Held {
-        let limits = self.battery.faded(&state.battery).within(asked);
-        let resistance = Resistance { force_n, slope_n_s_per_m, friction_n, drag_n_s_per_m: 0.0 };
-        let (mut start, source, _) = self.start(state, auxiliary_w, resistance);
-        let walk = |start: &Start| match gates {
-            Gates::Off => self.solve_off(start),
-            Gates::On(duty) => self.solve(start, self.converter.allowed_duty(duty)),
-        };
-        let mut solution = walk(&start);
-        let starved = solution.battery_a > limits.discharge_a
-            && start.loads.current_a(start.bus.emf_v) > limits.discharge_a;
+        mut walk: Walk<D::Link>,
+        mut loads: Loads,
+        source: Source,
+        resistance: Resistance,
+    ) -> Kept<D::Link> {
+        let mut limits = self.battery.faded(&state.battery).within(asked);
+        // No more than the source can give at all.
+        let greatest_a = GREATEST * 0.5 * source.emf_v / source.resistance_ohm;
+        limits.discharge_a = min(limits.discharge_a, greatest_a);
+        let bus = loads.leave(source);
+        if !walk.review.fits {
+            // Or a winding's own limit, where this changes nothing.
+            walk = self.again(state, command, &walk.link, &loads, bus, &resistance);
+        }
+        let (mut walk, limited) =
+            self.held(state, command, walk, &loads, source, bus, &resistance, limits);
+        // The drives have given what they can; the loads get what is left.
+        let starved =
+            loads.current_a(bus.emf_v) > limits.discharge_a && walk.battery_a > limits.discharge_a;
         if starved {
-            start.starve(source);
-            solution = walk(&start);
+            let battery_v = source.voltage_v(limits.discharge_a);
+            let drives_a = walk.review.bus_a * walk.battery_v / battery_v;
+            let share = (limits.discharge_a - drives_a) / loads.current_a(battery_v);
+            loads = loads.times(clamp(share, 0.0, 1.0));
+            let rises = self.drives.reached(&state.drives, &walk.link, false);
+            let at =
+                At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
+            walk = self.imposed(state, &walk, rises, walk.motion, battery_v, &at);
         }
-        let mut limited = Limited::No;
-        if let Gates::On(_) = gates {
-            (solution, limited) = self.held(&start, source, limits, solution);
-        }
-        let over_a =
-            max(solution.battery_a - limits.discharge_a, -solution.battery_a - limits.charge_a);
-        let exceeded = over_a > EXCEEDED_REL * solution.battery_a.abs() + EXCEEDED_A;
-        Held { solution, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
+        let over_a = max(walk.battery_a - limits.discharge_a, -walk.battery_a - limits.charge_a);
+        let exceeded = over_a > EXCEEDED_REL * walk.battery_a.abs() + EXCEEDED_A;
+        Kept { walk, loads, limited, starved, exceeded_a: if exceeded { over_a } else { 0.0 } }
     }
 
-    /// The solution with the winding current nearest to that of `wanted` that keeps the limits.
-    ///
-    /// The current decides on the power, the power on the bus voltage, both on the duty. In which
-    /// direction friction acts is part of the axis; where it turns out another, once more.
+    #[expect(clippy::too_many_arguments, reason = "one step's values")]
+    #[inline(always)]
     fn held(
         &self,
-        start: &Start,
+        state: &PowertrainState<L, B::State, D::State>,
+        command: D::Command,
+        walk: Walk<D::Link>,
+        loads: &Loads,
         source: Source,
+        bus: Source,
+        resistance: &Resistance,
         limits: CurrentLimits,
-        wanted: Solution,
-    ) -> (Solution, Limited) {
-        let wanted_a = start.current_a + wanted.current_increment_a;
-        let most_a = self.converter.params.current_limit_a;
-        let half_v = 0.5 * start.bus.emf_v;
-        let (lowest_w, mut highest_w) = drive_power_w(start, source, limits);
-        let mut asked_a = wanted_a;
-        if wanted.battery_a <= limits.discharge_a {
+    ) -> (Walk<D::Link>, Limited) {
+        let link = &walk.link;
+        let (lowest_w, mut highest_w) = drive_power_w(loads, source, limits);
+        let v = state.body.speed_m_s.get();
+        let half_v = 0.5 * bus.emf_v;
+        let draws = walk.battery_a > limits.discharge_a || walk.battery_v < COLLAPSED * bus.emf_v;
+        if !draws {
             highest_w = LARGEST;
-        } else if wanted.battery_v < half_v {
-            // A duty beyond that of the greatest power asks for more and brings less.
-            asked_a = sign(wanted_a) * LARGEST;
         }
-        let want = clamp(asked_a, -most_a, most_a);
-        let (mut solution, mut limited, mut tries) = (wanted, Limited::No, 0);
-        loop {
-            let slip = solution.motion.slip;
-            let axis = self.axis(start, slip, want);
-            let current_a = axis.held(want, lowest_w, highest_w);
-            if current_a != want {
-                // Braking by drawing may end as braking that charges.
-                let draws = axis.power_w(want) > highest_w && axis.power_w(current_a) >= 0.0;
-                limited = if draws { Limited::Discharge } else { Limited::Charge };
-            } else if want != wanted_a {
-                limited = Limited::Current;
-            } else if limited == Limited::No {
-                return (wanted, limited);
+        // A duty beyond that of the greatest power asks for more and brings less.
+        let collapsed = draws && walk.battery_v < half_v;
+        let wants = self.drives.reached(&state.drives, link, collapsed);
+        let carried = self.drives.within_winding(&state.drives, wants);
+        let mut motion = walk.motion;
+        let (mut rises, mut held) = (carried, Held::No);
+        for pass in 1..=D::PASSES + TRIES {
+            let slip = motion.slip;
+            let mode =
+                mode(resistance, v, slip, self.drives.force(&state.drives, link, rises).effort);
+            let wishes = self.drives.wishes(&state.drives, link, carried, mode.ended_m_s());
+            let shares = wishes.shares(lowest_w, highest_w, bus.emf_v, bus.resistance_ohm);
+            (rises, held) = self.drives.hold(&state.drives, link, wants, rises, &mode, &shares);
+            motion = resistance.solve(self.drives.force(&state.drives, link, rises), v);
+            if motion.slip == slip && pass >= D::PASSES {
+                break;
             }
-            let terminal_v = axis.terminal_v(current_a);
-            let headroom = half_v * half_v - start.bus.resistance_ohm * terminal_v * current_a;
-            let bus_v = half_v + sqrt(max(headroom, 0.0));
-            solution = self.solve(start, self.converter.allowed_duty(terminal_v / bus_v));
-            tries += 1;
-            if solution.motion.slip == slip || tries == TRIES {
-                return (solution, limited);
+        }
+        if held == Held::No {
+            return (walk, Limited::No);
+        }
+        let limited = match held {
+            Held::Discharge => Limited::Discharge,
+            Held::Charge => Limited::Charge,
+            Held::Current | Held::No => Limited::Current,
+        };
+        let ended_m_s = v + motion.increment_m_s;
+        let power_w = self.drives.wishes(&state.drives, link, rises, ended_m_s).power_w;
+        let headroom = half_v * half_v - bus.resistance_ohm * power_w;
+        let bus_v = half_v + sqrt(max(headroom, 0.0));
+        let at = At { command, loads, bus, resistance };
+        (self.imposed(state, &walk, rises, motion, bus_v, &at), limited)
+    }
+
+    /// The step that makes these rises of the currents at this bus voltage; where a converter cannot
+    /// make a voltage, what the nearest command leads to.
+    fn imposed(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+        walk: &Walk<D::Link>,
+        rises: D::Rises,
+        motion: Motion,
+        bus_v: Real,
+        at: &At<'_, D::Command>,
+    ) -> Walk<D::Link> {
+        let ended_m_s = state.body.speed_m_s.get() + motion.increment_m_s;
+        let (link, nearest) =
+            self.drives.impose(&state.drives, &walk.link, rises, at.command, ended_m_s, bus_v);
+        match nearest {
+            None => self.reviewed(state, at.loads, Solved { link, bus_v, motion }),
+            Some(command) => {
+                self.again(state, command, &walk.link, at.loads, at.bus, at.resistance)
             }
         }
     }
 
-    /// The winding with its converter in one friction mode, the speed eliminated; `want` says
-    /// in which direction the converter's drop acts.
-    fn axis(&self, start: &Start, slip: Slip, want: Real) -> Axis {
-        let winding = &self.winding;
-        let mut axis = Axis {
-            inductance_ohm: winding.inductance_per_h_ohm,
-            resistance_ohm: winding.resistance_ohm + start.converter_ohm,
-            back_emf_v: sign(want) * start.drop_v,
-            current_a: start.current_a,
-        };
-        if slip != Slip::Stuck {
-            let mobility = 1.0 / start.resistance.slope_n_s_per_m;
-            let coasting_n = start.resistance.force_n - slip.sign() * start.resistance.friction_n;
-            axis.back_emf_v += winding.back_emf * (start.speed_m_s + coasting_n * mobility);
-            axis.resistance_ohm += winding.back_emf * winding.effort_per_a * mobility;
-        }
-        axis
+    /// The step under a command, where what the first supposed did not fit.
+    fn again(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+        command: D::Command,
+        link: &D::Link,
+        loads: &Loads,
+        bus: Source,
+        resistance: &Resistance,
+    ) -> Walk<D::Link> {
+        let seen = Self::seen(state, bus, resistance);
+        let (law, link) = self.drives.law_again(&state.drives, command, seen, link);
+        self.reviewed(state, loads, self.drives.closed(law, link, seen, bus, resistance))
     }
 }
 
-/// The lowest and the highest power that the drive may take from the bus \[W\].
-fn drive_power_w(start: &Start, source: Source, limits: CurrentLimits) -> (Real, Real) {
+/// What a solution depends on beside its state.
+struct At<'a, C> {
+    command: C,
+    loads: &'a Loads,
+    bus: Source,
+    resistance: &'a Resistance,
+}
+
+/// How the road answers in a friction mode.
+#[inline(always)]
+fn mode(resistance: &Resistance, speed_m_s: Real, slip: Slip, force_n: Real) -> Mode {
+    if slip == Slip::Stuck {
+        return Mode { coasting_m_s: 0.0, mobility: 0.0, force_n };
+    }
+    let mobility = 1.0 / resistance.slope_n_s_per_m;
+    let coasting_n = resistance.force_n - slip.sign() * resistance.friction_n;
+    Mode { coasting_m_s: speed_m_s + coasting_n * mobility, mobility, force_n }
+}
+
+/// The lowest and the highest power that the drives may take from the bus \[W\].
+#[inline(always)]
+fn drive_power_w(loads: &Loads, source: Source, limits: CurrentLimits) -> (Real, Real) {
     let charging_v = source.voltage_v(-limits.charge_a);
-    let fed_a = limits.charge_a + start.loads.current_a(charging_v);
-    // No more than the source can give at all.
-    let drawn_a = min(limits.discharge_a, GREATEST * 0.5 * source.emf_v / source.resistance_ohm);
-    let drawing_v = source.voltage_v(drawn_a);
-    let left_a = max(drawn_a - start.loads.current_a(drawing_v), 0.0);
+    let fed_a = limits.charge_a + loads.current_a(charging_v);
+    let drawing_v = source.voltage_v(limits.discharge_a);
+    let left_a = max(limits.discharge_a - loads.current_a(drawing_v), 0.0);
     (-fed_a * charging_v, left_a * drawing_v)
 }
-
-/// A winding over one step. A step that ends at the current x takes the power
-/// `x·(e + r·x + l·(x − i))` from the bus; held there, it takes `x·(e + r·x)`.
-#[derive(Clone, Copy, Debug)]
-struct Axis {
-    /// l: inductance over the step \[Ω\].
-    inductance_ohm: Real,
-    /// r: resistance, and how a current changes the back-EMF \[Ω\].
-    resistance_ohm: Real,
-    /// e: back-EMF without current \[V\].
-    back_emf_v: Real,
-    /// i: current at the start \[A\].
-    current_a: Real,
-}
-
-impl Axis {
-    /// The voltage that leads to the current x.
-    fn terminal_v(&self, x: Real) -> Real {
-        self.back_emf_v + self.resistance_ohm * x + self.inductance_ohm * (x - self.current_a)
-    }
-
-    fn power_w(&self, x: Real) -> Real {
-        x * self.terminal_v(x)
-    }
-
-    /// The current nearest to `want` whose power lies between `lowest_w` ≤ 0 and `highest_w` ≥ 0.
-    ///
-    /// Discharging, the power of the step itself is held, which is stable: less current, less
-    /// power. Charging it is not, as a voltage that lowers the power lets the current grow: there
-    /// the power of the current *held* bounds it, `r·x² + e·x = lowest`, whatever i is. From
-    /// within this edge the step lands on it. A current beyond decays with L/r, under the voltage
-    /// that belongs to the edge, so that the battery's current exceeds its limit by the factor
-    /// |i|/|edge| at most.
-    fn held(&self, want: Real, lowest_w: Real, highest_w: Real) -> Real {
-        let (e, i) = (self.back_emf_v, self.current_a);
-        let want =
-            if self.power_w(want) > highest_w { self.at_power(highest_w, want) } else { want };
-        let discriminant = e * e + 4.0 * self.resistance_ohm * lowest_w;
-        if discriminant > 0.0 {
-            // All counted in the direction in which the machine brakes.
-            let direction = -sign(e);
-            let edge = -2.0 * lowest_w / (e.abs() + sqrt(discriminant));
-            let (held, braking) = (direction * i, direction * want);
-            if held > edge && braking > 0.0 {
-                let share = self.resistance_ohm / (self.inductance_ohm + self.resistance_ohm);
-                let decayed = direction * (held + (edge - held) * share);
-                // Faster only where that charges less.
-                let faster =
-                    braking < direction * decayed && self.power_w(want) >= self.power_w(decayed);
-                return if faster { want } else { decayed };
-            }
-            if braking > edge {
-                return direction * edge;
-            }
-        }
-        if self.power_w(want) < lowest_w { self.at_power(lowest_w, i) } else { want }
-    }
-
-    /// The root of `(l + r)·x² + (e − l·i)·x = p` on the side of `near`.
-    fn at_power(&self, p: Real, near: Real) -> Real {
-        let a = self.inductance_ohm + self.resistance_ohm;
-        let b = self.back_emf_v - self.inductance_ohm * self.current_a;
-        let discriminant = b * b + 4.0 * a * p;
-        if discriminant < 0.0 {
-            return -b / (2.0 * a);
-        }
-        // Without cancellation.
-        let q = -0.5 * (b + if b < 0.0 { -sqrt(discriminant) } else { sqrt(discriminant) });
-        if q == 0.0 {
-            return 0.0;
-        }
-        let (one, two) = (q / a, -p / q);
-        let first = if p > 0.0 {
-            (one > 0.0) == (near > 0.0)
-        } else {
-            (one - near).abs() < (two - near).abs()
-        };
-        if first { one } else { two }
-    }
-}
-
-#[cfg(test)]
-mod tests;

@@ -49,6 +49,7 @@
 //! `tests/tests/rounding.rs`; a second tool in `tests/tests/second_reference.rs`; cases "UDDS",
 //! "trip", "converter bench".
 
+pub mod drives;
 mod input;
 pub mod ledger;
 mod limit;
@@ -56,30 +57,29 @@ mod output;
 mod params;
 mod solve;
 
+pub use drives::{Axles, Drive, DriveParams, Drives, TORQUE_RATE_PER_S};
 pub use input::PowertrainInput;
 pub use output::{Feedback, Limited, PowertrainOutput};
-pub use params::PowertrainParams;
+pub use params::{DrivesParams, PackParams, PowertrainParams};
 
 use core::marker::PhantomData;
 
 use crate::auxiliary::Auxiliary;
-use crate::battery::{Battery, BatteryState, MappedBattery, MappedBatteryParams, Pack};
-use crate::converter::{Converter, Gates};
+use crate::battery::{Battery, BatteryState, Pack};
 use crate::error::{ParamError, check};
-use crate::machine::dc::{DcMotor, Winding};
 use crate::mechanics::body::{Body, BodyState};
-use crate::mechanics::gearbox::Gearbox;
 use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
 use crate::num::{Accum, Real, min, sound};
 use crate::port::Coast;
 use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
-use crate::powertrain::solve::Solution;
+use crate::powertrain::solve::Walk;
 
 /// The coupled plant, discretised for one step; `L` says whether it keeps an energy ledger, `B`
-/// which battery it has.
+/// which battery it has, `D` what drives it: one [`Drive`], or a pair of drives, of which each may
+/// be a pair again.
 ///
-/// For a given duty and given forces a step is stable for any `h` and any physical parameter. So it
+/// For given commands and given forces a step is stable for any `h` and any physical parameter. So it
 /// is where a limit acts: the current stands at the limit; one that was beyond it already, as when
 /// the limit falls, decays with the winding's L/R.
 ///
@@ -88,10 +88,11 @@ use crate::powertrain::solve::Solution;
 /// use plant_core::powertrain::{Powertrain, PowertrainInput};
 /// use plant_core::{Dt, ParamError, must, presets};
 ///
-/// const CAR: Powertrain<EnergyLedger> = must!(Powertrain::with_ledger(
+/// const CAR: Powertrain<EnergyLedger> = must!(Powertrain::new(
 ///     presets::EPOWERTRAIN_UDDS.powertrain,
 ///     must!(Dt::from_s(0.001)),
-/// ));
+/// ))
+/// .with_ledger();
 ///
 /// let start = CAR.at_rest(0.8)?;
 /// let mut state = start;
@@ -105,23 +106,18 @@ use crate::powertrain::solve::Solution;
 /// # Ok::<(), ParamError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Powertrain<L = NoLedger, B = Battery> {
+pub struct Powertrain<L = NoLedger, B = Battery, D = Drive> {
     battery: B,
+    drives: D,
     auxiliary: Auxiliary,
-    converter: Converter,
-    /// The motor's electrical side, seen from the road.
-    winding: Winding,
+    /// Losses of the converters that do not depend on their load \[W\].
+    constant_loss_w: Real,
     /// All that moves and rubs, seen from the road.
     coast: Coast,
-    /// Loss of the gears as friction at the road, per motor current \[N/A\].
-    gear_loss_n_per_a: Real,
     body: Body,
     dt_s: Real,
-    /// Motor turns (rad) per metre of road.
-    motor_rad_per_m: Real,
-    torque_nm_per_a: Real,
-    inductance_h: Real,
-    /// Neither auxiliary loads nor losses of the converter: a step need not look for them.
+    has_gear_loss: bool,
+    /// Neither auxiliary loads nor constant losses of converters: a step need not look for them.
     plain: bool,
     ledger: PhantomData<L>,
 }
@@ -129,11 +125,11 @@ pub struct Powertrain<L = NoLedger, B = Battery> {
 /// The state of a [`Powertrain`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PowertrainState<L = NoLedger, S = BatteryState> {
+pub struct PowertrainState<L = NoLedger, S = BatteryState, E = Accum> {
     /// The battery.
     pub battery: S,
-    /// Winding current \[A\].
-    pub current_a: Accum,
+    /// The drives: of one with a DC machine the winding current \[A\].
+    pub drives: E,
     /// Speed and distance.
     pub body: BodyState,
     /// Voltage at the battery's terminals at the last step \[V\].
@@ -144,102 +140,122 @@ pub struct PowertrainState<L = NoLedger, S = BatteryState> {
     pub ledger: L,
 }
 
-impl Powertrain<NoLedger> {
-    /// Checks `params` and discretises them for steps of `dt`; keeps no ledger.
+impl Powertrain {
+    /// Checks `params` and discretises them for steps of `dt`: one DC machine on a battery of
+    /// constant parameters. [`of`](Powertrain::of) makes any other plant,
+    /// [`with_ledger`](Powertrain::with_ledger) one that keeps books.
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range.
     pub const fn new(params: PowertrainParams, dt: Dt) -> Result<Self, ParamError> {
-        Self::assembled(check!(Battery::new(params.battery, dt)), &params, dt)
+        let battery = check!(Battery::new(params.battery, dt));
+        Powertrain::of(battery, check!(params.drives.on(params.wheel, dt)), &params, dt)
     }
 }
 
-impl Powertrain<NoLedger, MappedBattery> {
-    /// The same with a battery whose parameters depend on state of charge and temperature.
-    ///
-    /// # Errors
-    /// [`ParamError`] names the first field that is out of range.
-    pub const fn mapped(
-        params: PowertrainParams<MappedBatteryParams>,
-        dt: Dt,
-    ) -> Result<Self, ParamError> {
-        Self::assembled(check!(MappedBattery::new(params.battery, dt)), &params, dt)
-    }
-}
-
-impl Powertrain<EnergyLedger, MappedBattery> {
-    /// The same with a ledger.
-    ///
-    /// # Errors
-    /// [`ParamError`] names the first field that is out of range.
-    pub const fn mapped_with_ledger(
-        params: PowertrainParams<MappedBatteryParams>,
-        dt: Dt,
-    ) -> Result<Self, ParamError> {
-        Self::assembled(check!(MappedBattery::new(params.battery, dt)), &params, dt)
-    }
-}
-
-impl Powertrain<EnergyLedger> {
-    /// Checks `params` and discretises them for steps of `dt`; keeps an energy ledger.
-    ///
-    /// # Errors
-    /// [`ParamError`] names the first field that is out of range.
-    pub const fn with_ledger(params: PowertrainParams, dt: Dt) -> Result<Self, ParamError> {
-        Self::assembled(check!(Battery::new(params.battery, dt)), &params, dt)
-    }
-}
-
-impl<B: Pack> Powertrain<EnergyLedger, B> {
+impl<B: Pack, D: Drives> Powertrain<EnergyLedger, B, D> {
     /// Where the energy went between the state `start` and the state `now`, which came from it.
     #[must_use]
     pub fn energy(
         &self,
-        start: &PowertrainState<EnergyLedger, B::State>,
-        now: &PowertrainState<EnergyLedger, B::State>,
+        start: &PowertrainState<EnergyLedger, B::State, D::State>,
+        now: &PowertrainState<EnergyLedger, B::State, D::State>,
     ) -> EnergyReport {
         let discharged_j = self.battery.discharged_energy_j(&start.battery, &now.battery);
         now.ledger.report(&self.flow_factors(), self.dt_s, self.stored(now), discharged_j)
     }
 }
 
-impl<L: Book, B: Pack> Powertrain<L, B> {
-    const fn assembled<P>(
+impl<B: Copy, D: Copy> Powertrain<NoLedger, B, D> {
+    /// A battery and drives, with the auxiliary loads, the wheels and the body of `params`.
+    ///
+    /// ```
+    /// use plant_core::powertrain::ledger::NoLedger;
+    /// use plant_core::powertrain::{Axles, Drive, Powertrain, PowertrainParams};
+    /// use plant_core::{Dt, MappedBattery, MappedBatteryParams, must, presets};
+    ///
+    /// const DT: Dt = must!(Dt::from_s(0.001));
+    /// const I3: PowertrainParams<MappedBatteryParams> = presets::BMW_I3_60AH.powertrain;
+    /// // The car with a second drive like its own.
+    /// const DRIVE: Axles<Drive> = must!(I3.drives.on(I3.wheel, DT));
+    /// const CAR: Powertrain<NoLedger, MappedBattery, (Drive, Drive)> = must!(Powertrain::of(
+    ///     must!(MappedBattery::new(I3.battery, DT)),
+    ///     DRIVE.and(DRIVE),
+    ///     &I3,
+    ///     DT,
+    /// ));
+    /// assert!(CAR.moving_mass_kg() > 1500.0);
+    /// ```
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range.
+    pub const fn of<P, Q>(
         battery: B,
-        params: &PowertrainParams<P>,
+        axles: Axles<D>,
+        params: &PowertrainParams<P, Q>,
         dt: Dt,
     ) -> Result<Self, ParamError> {
-        let motor = check!(DcMotor::new(params.motor, dt));
-        let gearbox = check!(Gearbox::new(params.gearbox, dt));
         let wheel = check!(Wheel::new(params.wheel, dt));
         let body = check!(Body::new(params.body, dt));
         let auxiliary = check!(Auxiliary::new(params.auxiliary));
-        let converter = check!(Converter::new(params.converter));
-        let motor_rad_per_m = gearbox.ratio * wheel.per_radius;
         Ok(Self {
             battery,
-            winding: motor.winding().reflected(motor_rad_per_m),
-            coast: wheel.coast(gearbox.coast(motor.coast())).plus(body.coast()),
-            gear_loss_n_per_a: gearbox.loss_ratio()
-                * motor.winding().effort_per_a
-                * wheel.per_radius,
+            drives: axles.drives,
+            constant_loss_w: axles.constant_loss_w,
+            coast: wheel.coast(axles.coast).plus(body.coast()),
             body,
             dt_s: dt.s(),
-            motor_rad_per_m,
-            torque_nm_per_a: motor.winding().effort_per_a,
-            inductance_h: motor.inductance_h,
-            plain: auxiliary.is_none() && converter.is_ideal(),
+            has_gear_loss: axles.has_gear_loss,
+            plain: auxiliary.is_none() && axles.constant_loss_w == 0.0,
             auxiliary,
-            converter,
             ledger: PhantomData,
         })
     }
 
+    /// The same plant, keeping an energy ledger.
+    #[must_use]
+    pub const fn with_ledger(self) -> Powertrain<EnergyLedger, B, D> {
+        Powertrain {
+            battery: self.battery,
+            drives: self.drives,
+            auxiliary: self.auxiliary,
+            constant_loss_w: self.constant_loss_w,
+            coast: self.coast,
+            body: self.body,
+            dt_s: self.dt_s,
+            has_gear_loss: self.has_gear_loss,
+            plain: self.plain,
+            ledger: PhantomData,
+        }
+    }
+}
+
+impl<L, B, D> Powertrain<L, B, D> {
+    /// The battery model inside.
+    #[must_use]
+    pub const fn battery(&self) -> &B {
+        &self.battery
+    }
+
+    /// The drives inside.
+    #[must_use]
+    pub const fn drives(&self) -> &D {
+        &self.drives
+    }
+
+    /// Everything that moves with the vehicle, as mass \[kg\].
+    #[must_use]
+    pub const fn moving_mass_kg(&self) -> Real {
+        self.coast.inertia_per_h * self.dt_s
+    }
+}
+
+impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
     /// A rested plant that stands still with its battery at `soc`.
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] for a state of charge outside 0..1.
-    pub fn at_rest(&self, soc: Real) -> Result<PowertrainState<L, B::State>, ParamError> {
+    pub fn at_rest(&self, soc: Real) -> Result<PowertrainState<L, B::State, D::State>, ParamError> {
         self.at_speed(soc, 0.0)
     }
 
@@ -252,12 +268,12 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         &self,
         soc: Real,
         speed_m_s: Real,
-    ) -> Result<PowertrainState<L, B::State>, ParamError> {
+    ) -> Result<PowertrainState<L, B::State, D::State>, ParamError> {
         let speed_m_s = Accum::new(crate::error::finite("speed_m_s", speed_m_s)?);
         let battery = self.battery.rested(soc)?;
         let mut state = PowertrainState {
             battery,
-            current_a: Accum::new(0.0),
+            drives: D::State::default(),
             body: BodyState { speed_m_s, distance_m: Accum::new(0.0) },
             battery_v: self.battery.offer(&battery).0.emf_v,
             cut_out_s: 0.0,
@@ -268,69 +284,41 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     }
 
     /// Energy held in motion and fields.
-    fn stored(&self, state: &PowertrainState<L, B::State>) -> Stored {
+    fn stored(&self, state: &PowertrainState<L, B::State, D::State>) -> Stored {
         let v = state.body.speed_m_s.get();
-        let i = state.current_a.get();
         Stored {
             kinetic: 0.5 * self.moving_mass_kg() * v * v,
-            inductive: 0.5 * self.inductance_h * i * i,
+            inductive: self.drives.field_j(&state.drives),
             capacitive: self.battery.capacitive_j(&state.battery),
         }
     }
 
-    /// What a driver sees of a state before its first step.
+    /// Motor speed per road speed \[rad/m\], of the first motor.
     #[must_use]
-    pub fn feedback(&self, state: &PowertrainState<L, B::State>) -> Feedback {
-        Feedback {
-            speed_m_s: state.body.speed_m_s.get(),
-            motor_a: state.current_a.get(),
-            battery_v: state.battery_v,
-            soc: B::soc(&state.battery),
-            duty: 0.0,
-            limited: false,
-            slope_sin: 0.0,
-        }
+    pub fn motor_rad_per_m(&self) -> Real {
+        self.drives.motor_rad_per_m()
     }
 
-    /// The battery model inside.
-    #[must_use]
-    pub const fn battery(&self) -> &B {
-        &self.battery
-    }
-
-    /// Motor speed per road speed \[rad/m\].
-    #[must_use]
-    pub const fn motor_rad_per_m(&self) -> Real {
-        self.motor_rad_per_m
-    }
-
-    /// Everything that moves with the vehicle, as mass \[kg\].
-    #[must_use]
-    pub const fn moving_mass_kg(&self) -> Real {
-        self.coast.inertia_per_h * self.dt_s
-    }
-
-    /// Whether a solution keeps every limit, with gates on.
+    /// Whether a solution keeps every limit.
     ///
     /// A winding's field that grows hides what the battery will be charged with once it has grown:
     /// that counts too.
     #[inline(always)]
-    fn keeps_limits(
+    fn keeps_limits<C>(
         &self,
-        i: Real,
-        solution: &Solution,
+        walk: &Walk<D::Link>,
         next: &B::State,
-        input: &PowertrainInput,
+        input: &PowertrainInput<C>,
+        emf_v: Real,
     ) -> bool {
-        let (reached_a, battery_a) = (i + solution.current_increment_a, solution.battery_a);
-        let field_w = self.winding.inductance_per_h_ohm * solution.current_increment_a * reached_a;
-        let least_a = min(battery_a, battery_a - field_w / solution.battery_v);
+        let battery_a = walk.battery_a;
+        let least_a = min(battery_a, battery_a - walk.review.field_w / walk.battery_v);
         // Asked as what breaks a limit: beyond an infinite one there is nothing to compare. What is
         // not a number is refused further on.
-        let broken = input.gates == Gates::Off
-            || reached_a.abs() > self.converter.params.current_limit_a
+        let broken = !walk.review.fits
             || battery_a > input.limits.discharge_a
-            || least_a < -input.limits.charge_a;
+            || least_a < -input.limits.charge_a
+            || self.battery.may_collapse() && walk.battery_v < limit::COLLAPSED * emf_v;
         !broken && self.battery.allows(battery_a, least_a, next)
     }
 
@@ -338,41 +326,36 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     #[inline(always)]
     pub fn step(
         &self,
-        state: &mut PowertrainState<L, B::State>,
-        input: PowertrainInput,
-    ) -> PowertrainOutput {
-        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
+        state: &mut PowertrainState<L, B::State, D::State>,
+        input: PowertrainInput<D::Command>,
+    ) -> PowertrainOutput<D::Output> {
+        let v = state.body.speed_m_s.get();
         let mut resistance = self.body.resistance(&input.road, self.coast, v);
-        if self.gear_loss_n_per_a > 0.0 {
-            resistance.friction_n += self.gear_loss_n_per_a * i.abs();
+        let mut gear_n = 0.0;
+        if self.has_gear_loss {
+            gear_n = self.drives.gear_n(&state.drives);
+            resistance.friction_n += gear_n;
         }
-        let (mut start, source, open_circuit_v) = self.start(state, input.auxiliary_w, resistance);
-        let asked = input.gates.duty();
-        let commanded = self.converter.allowed_duty(asked);
-        let mut solution = self.solve(&start, commanded);
-        let mut battery = self.battery.next(&state.battery, solution.battery_a);
-        let mut limited = if commanded == asked { Limited::No } else { Limited::Duty };
+        let (source, open_circuit_v) = self.battery.offer(&state.battery);
+        let mut loads = self.loads(input.auxiliary_w, state);
+        let bus = loads.leave(source);
+        let seen = Self::seen(state, bus, &resistance);
+        let solved = self.drives.solve(&state.drives, input.gates, seen, bus, &resistance);
+        let mut walk = self.reviewed(state, &loads, solved);
+        let mut battery = self.battery.next(&state.battery, walk.battery_a);
+        let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
-        if !self.keeps_limits(i, &solution, &battery, &input) {
-            let held = self.hold_limits(
-                state,
-                input.gates,
-                input.auxiliary_w,
-                input.limits,
-                resistance.force_n,
-                resistance.slope_n_s_per_m,
-                resistance.friction_n,
-            );
-            (solution, starved, exceeded_a) = (held.solution, held.starved, held.exceeded_a);
-            if held.limited != Limited::No {
-                limited = held.limited;
+        if !self.keeps_limits(&walk, &battery, &input, bus.emf_v) {
+            let kept =
+                self.keep_limits(state, input.gates, input.limits, walk, loads, source, resistance);
+            (walk, starved, exceeded_a) = (kept.walk, kept.starved, kept.exceeded_a);
+            if kept.limited != Limited::No {
+                limited = kept.limited;
             }
-            if starved {
-                start.starve(source);
-            }
+            loads = kept.loads;
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
-            overcharged_c = self.battery.settle(&mut settled, solution.battery_a);
+            overcharged_c = self.battery.settle(&mut settled, walk.battery_a);
             battery = settled;
         }
 
@@ -380,9 +363,9 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         // enter a state, where the rest shows.
         let magnitude = input.auxiliary_w
             + input.road.magnitude()
-            + (i + solution.current_increment_a).abs()
-            + (v + solution.motion.increment_m_s).abs()
-            + solution.battery_a.abs()
+            + walk.review.magnitude
+            + (v + walk.motion.increment_m_s).abs()
+            + walk.battery_a.abs()
             + B::magnitude(&battery);
         let accepted = sound(magnitude)
             && input.road.is_possible()
@@ -394,53 +377,63 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
         }
 
         // Back: each state from the solution.
-        let losses = self.battery.losses(&state.battery, &battery, solution.battery_a);
-        state.current_a.add(solution.current_increment_a);
-        Body::settle(&mut state.body, solution.motion, self.dt_s);
+        let losses = self.battery.losses(&state.battery, &battery, walk.battery_a);
+        let before = state.drives;
+        self.drives.settle(&mut state.drives, &walk.link);
+        Body::settle(&mut state.body, walk.motion, self.dt_s);
         state.battery = battery;
-        state.battery_v = solution.battery_v;
-        if start.loads.any {
-            state.cut_out_s =
-                self.auxiliary.cut_out_s(state.cut_out_s, solution.battery_v, self.dt_s);
+        state.battery_v = walk.battery_v;
+        if !self.plain || input.auxiliary_w > 0.0 {
+            state.cut_out_s = self.auxiliary.cut_out_s(state.cut_out_s, walk.battery_v, self.dt_s);
         }
 
-        let raw = self.raw_flows(state, &input.road, &start, &solution, open_circuit_v, losses);
-        state.ledger.book(&raw);
+        let v = state.body.speed_m_s.get();
+        let machines = self.drives.flows(&before, &state.drives, &walk.link, v);
+        let raw = self.raw_flows(
+            v,
+            &input.road,
+            &loads,
+            &walk,
+            machines,
+            gear_n,
+            resistance.drag_n_s_per_m,
+            open_circuit_v,
+            losses,
+        );
+        state.ledger.book(&raw, D::THREE_PHASE);
         if overcharged_c != 0.0 {
             state.ledger.book_overcharge(overcharged_c * open_circuit_v);
         }
         self.battery.refresh(&mut state.battery);
+        let drives = self.drives.output(&state.drives, &walk.link, v);
         PowertrainOutput {
             rejected: false,
-            duty: solution.duty,
             limited,
             limit_exceeded_a: exceeded_a,
             overcharged_c,
             auxiliary_starved: starved,
-            slip: solution.motion.slip,
-            speed_m_s: state.body.speed_m_s.get(),
+            slip: walk.motion.slip,
+            speed_m_s: v,
             distance_m: state.body.distance_m.get(),
             slope_sin: input.road.grade.sin,
             soc: B::soc(&state.battery),
-            battery_a: solution.battery_a,
-            battery_v: solution.battery_v,
+            battery_a: walk.battery_a,
+            battery_v: walk.battery_v,
             open_circuit_v,
             battery_outside_identified: B::is_outside(&state.battery),
-            motor_a: state.current_a.get(),
-            motor_nm: self.torque_nm_per_a * state.current_a.get(),
-            motor_rad_s: self.motor_rad_per_m * state.body.speed_m_s.get(),
+            drives,
             flows: raw.times(&self.flow_factors()),
         }
     }
 }
 
-impl<L: Book, B: Pack> Model for Powertrain<L, B> {
-    type State = PowertrainState<L, B::State>;
-    type Input = PowertrainInput;
-    type Output = PowertrainOutput;
+impl<L: Book, B: Pack, D: Drives> Model for Powertrain<L, B, D> {
+    type State = PowertrainState<L, B::State, D::State>;
+    type Input = PowertrainInput<D::Command>;
+    type Output = PowertrainOutput<D::Output>;
 
     #[inline]
-    fn step(&self, state: &mut Self::State, input: PowertrainInput) -> PowertrainOutput {
+    fn step(&self, state: &mut Self::State, input: Self::Input) -> Self::Output {
         Self::step(self, state, input)
     }
 }

@@ -1,8 +1,11 @@
 //! What a step of the plant says, powers included.
 
-use super::solve::{Solution, Start};
+use super::drives::Drives;
+use super::solve::{Loads, Walk};
 use super::{Powertrain, PowertrainState};
 use crate::battery::{Losses, Pack};
+use crate::machine::dc::DcDriveOutput;
+use crate::machine::{Footing, MachineFlows, Seen};
 use crate::mechanics::body::Road;
 use crate::num::Real;
 use crate::port::Slip;
@@ -25,15 +28,13 @@ pub enum Limited {
     Current,
 }
 
-/// Output of one step of a [`Powertrain`].
+/// Output of one step of a [`Powertrain`]; `O` is what its drives say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PowertrainOutput {
+pub struct PowertrainOutput<O = DcDriveOutput> {
     /// An input was not finite or absurd; the state is unchanged and nothing flowed.
     pub rejected: bool,
-    /// The duty applied. With gates off the diodes': ±1 while they conduct, else 0.
-    pub duty: Real,
-    /// What changed it.
+    /// What changed a command.
     pub limited: Limited,
     /// How far the battery's current is beyond its limits all the same \[A\], ≥ 0: while a winding's
     /// current decays, where the back-EMF exceeds what a duty can hold, or with gates off.
@@ -62,12 +63,8 @@ pub struct PowertrainOutput {
     /// The battery's state of charge or temperature lie outside what its parameters were
     /// identified for.
     pub battery_outside_identified: bool,
-    /// Winding current \[A\].
-    pub motor_a: Real,
-    /// Air-gap torque of the motor \[N·m\].
-    pub motor_nm: Real,
-    /// Motor speed \[rad/s\].
-    pub motor_rad_s: Real,
+    /// The drives.
+    pub drives: O,
     /// The power of every term of the energy ledger \[W\].
     pub flows: Flows,
 }
@@ -78,8 +75,10 @@ pub struct PowertrainOutput {
 pub struct Feedback {
     /// Speed \[m/s\].
     pub speed_m_s: Real,
-    /// Winding current \[A\].
+    /// Winding current of a DC machine \[A\].
     pub motor_a: Real,
+    /// Torque of the motor, or of all as felt at the shaft of the first \[N·m\].
+    pub motor_nm: Real,
     /// Voltage at the battery's terminals \[V\].
     pub battery_v: Real,
     /// State of charge, 0..1.
@@ -97,29 +96,30 @@ impl From<&PowertrainOutput> for Feedback {
     fn from(out: &PowertrainOutput) -> Self {
         Self {
             speed_m_s: out.speed_m_s,
-            motor_a: out.motor_a,
+            motor_a: out.drives.motor_a,
+            motor_nm: out.drives.motor_nm,
             battery_v: out.battery_v,
             soc: out.soc,
-            duty: out.duty,
+            duty: out.drives.duty,
             limited: out.limited != Limited::No,
             slope_sin: out.slope_sin,
         }
     }
 }
 
-impl<L: Book, B: Pack> Powertrain<L, B> {
+impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
     /// What each raw power of [`raw_flows`](Self::raw_flows) is to be multiplied by.
     #[inline(always)]
     pub(super) fn flow_factors(&self) -> Flows {
         let (series_joule, polarisation_joule) = self.battery.loss_factors();
+        let machines = self.drives.flow_factors();
         Flows {
             series_joule,
             polarisation_joule,
-            copper: self.winding.resistance_ohm,
-            conversion: self.winding.back_emf - self.winding.effort_per_a,
+            copper: machines.copper,
+            conversion: machines.conversion,
             viscous: self.coast.viscous,
             coulomb: self.coast.coulomb,
-            gear: self.gear_loss_n_per_a,
             rolling: self.body.rolling_n,
             potential: self.body.weight_n,
             numerical: 0.5,
@@ -130,25 +130,26 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     /// Each power from the definitions of its component, at the end of the step, so that the
     /// ledger checks the elimination and does not repeat it; without the constant factors.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "one step's values")]
     pub(super) fn raw_flows(
         &self,
-        state: &PowertrainState<L, B::State>,
+        v: Real,
         road: &Road,
-        start: &Start,
-        solution: &Solution,
+        loads: &Loads,
+        walk: &Walk<D::Link>,
+        machines: MachineFlows,
+        gear_n: Real,
+        drag_n_s_per_m: Real,
         open_circuit_v: Real,
         losses: Losses,
     ) -> Flows {
-        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
-        let (di, dv) = (solution.current_increment_a, solution.motion.increment_m_s);
-        let (battery_a, battery_v) = (solution.battery_a, solution.battery_v);
+        let dv = walk.motion.increment_m_s;
+        let (battery_a, battery_v) = (walk.battery_a, walk.battery_v);
         let speed_m_s = v.abs();
         let electrochemical = open_circuit_v * battery_a;
-        let loads = &start.loads;
-        let (mut converter, mut auxiliary) = (0.0, 0.0);
+        let (mut converter, mut auxiliary) = (machines.converter, 0.0);
         if loads.any {
-            converter = (start.converter_ohm * i + solution.drop_v) * i
-                + loads.converter_s * battery_v * battery_v;
+            converter += loads.converter_s * battery_v * battery_v;
             auxiliary = (loads.constant_a + loads.resistor_s * battery_v) * battery_v;
         }
         Flows {
@@ -157,18 +158,18 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             polarisation_joule: losses.polarisation,
             converter,
             auxiliary,
-            copper: i * i,
-            conversion: v * i,
+            copper: machines.copper,
+            conversion: machines.conversion,
+            iron: machines.iron,
+            field: machines.field,
             viscous: v * v,
             coulomb: speed_m_s,
-            gear: start.current_a.abs() * speed_m_s,
-            drag: start.resistance.drag_n_s_per_m * (v + road.headwind_m_s) * v,
-            rolling: road.grade.cos * speed_m_s,
+            gear: gear_n * speed_m_s,
+            drag: drag_n_s_per_m * (v + road.headwind_m_s) * v,
+            rolling: road.rolling_factor * road.grade.cos * speed_m_s,
             brake: road.brake_n * speed_m_s,
             potential: road.grade.sin * v,
-            numerical: self.winding.inductance_per_h_ohm * di * di
-                + self.coast.inertia_per_h * dv * dv
-                + losses.numerical,
+            numerical: machines.numerical + self.coast.inertia_per_h * dv * dv + losses.numerical,
             throughput: electrochemical.abs(),
         }
     }
@@ -177,13 +178,12 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
     #[inline(always)]
     pub(super) fn rejected(
         &self,
-        state: &PowertrainState<L, B::State>,
+        state: &PowertrainState<L, B::State, D::State>,
         open_circuit_v: Real,
-    ) -> PowertrainOutput {
-        let (i, v) = (state.current_a.get(), state.body.speed_m_s.get());
+    ) -> PowertrainOutput<D::Output> {
+        let v = state.body.speed_m_s.get();
         PowertrainOutput {
             rejected: true,
-            duty: 0.0,
             limited: Limited::No,
             limit_exceeded_a: 0.0,
             overcharged_c: 0.0,
@@ -203,10 +203,41 @@ impl<L: Book, B: Pack> Powertrain<L, B> {
             battery_v: state.battery_v,
             open_circuit_v,
             battery_outside_identified: B::is_outside(&state.battery),
-            motor_a: i,
-            motor_nm: self.torque_nm_per_a * i,
-            motor_rad_s: self.motor_rad_per_m * v,
+            drives: self.idle(state),
             flows: Flows::default(),
         }
+    }
+
+    /// What the drives say where nothing is commanded.
+    fn idle(&self, state: &PowertrainState<L, B::State, D::State>) -> D::Output {
+        let speed_m_s = state.body.speed_m_s.get();
+        let footing = Footing { speed_m_s, mobility: 0.0 };
+        let (bus_v, from_v) = (state.battery_v, state.battery_v);
+        let seen = Seen { bus_v, from_v, speed_m_s, footing };
+        let (_, link) = self.drives.law(&state.drives, D::Command::default(), seen);
+        self.drives.output(&state.drives, &link, speed_m_s)
+    }
+
+    /// What a driver sees of a step.
+    #[inline(always)]
+    #[must_use]
+    pub fn seen_of(&self, out: &PowertrainOutput<D::Output>) -> Feedback {
+        let (duty, motor_a) = D::duty_and_current(&out.drives);
+        Feedback {
+            speed_m_s: out.speed_m_s,
+            motor_a,
+            motor_nm: self.drives.torque_nm(&out.drives),
+            battery_v: out.battery_v,
+            soc: out.soc,
+            duty,
+            limited: out.limited != Limited::No,
+            slope_sin: out.slope_sin,
+        }
+    }
+
+    /// What a driver sees of a state before its first step.
+    #[must_use]
+    pub fn feedback(&self, state: &PowertrainState<L, B::State, D::State>) -> Feedback {
+        self.seen_of(&self.rejected(state, 0.0))
     }
 }

@@ -10,7 +10,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::auxiliary::AuxiliaryParams;
-use crate::battery::{BatteryParams, CurrentLimits, OpenCircuit, RcBranchParams};
+use crate::battery::{BatteryParams, CurrentLimits, OpenCircuit, RcBranchParams, VoltageLimits};
 use crate::converter::ConverterParams;
 use crate::machine::dc::DcMotorParams;
 use crate::mechanics::body::{BodyParams, Road, RoadResistance};
@@ -32,25 +32,30 @@ const FULL: PowertrainParams = PowertrainParams {
         polarisation: RcBranchParams { resistance_ohm: 0.05, capacitance_f: 2.0 },
         discharge_limit_a: 300.0,
         charge_limit_a: 200.0,
+        voltage_limits: VoltageLimits::NONE,
     },
     auxiliary: AuxiliaryParams { power_w: 700.0, resistance_ohm: 90.0, cut_out_v: 200.0 },
-    converter: ConverterParams {
-        duty_limit: 1.0,
-        constant_loss_w: 300.0,
-        voltage_drop_v: 1.5,
-        resistance_ohm: 0.004,
-        current_limit_a: 800.0,
+    drives: DriveParams {
+        converter: ConverterParams {
+            duty_limit: 1.0,
+            constant_loss_w: 300.0,
+            voltage_drop_v: 1.5,
+            resistance_ohm: 0.004,
+            current_limit_a: 800.0,
+        },
+        motor: DcMotorParams {
+            resistance_ohm: 0.03,
+            inductance_h: 4e-4,
+            back_emf_v_s_per_rad: 0.5,
+            torque_nm_per_a: 0.45,
+            inertia_kg_m2: 0.04,
+            viscous_nm_s_per_rad: 0.01,
+            coulomb_nm: 0.7,
+        },
+        gearbox: GearboxParams { ratio: 7.0, efficiency: 0.95, inertia_kg_m2: 0.02 },
+        torque_rate_per_s: TORQUE_RATE_PER_S,
+        torque_share: 1.0,
     },
-    motor: DcMotorParams {
-        resistance_ohm: 0.03,
-        inductance_h: 4e-4,
-        back_emf_v_s_per_rad: 0.5,
-        torque_nm_per_a: 0.45,
-        inertia_kg_m2: 0.04,
-        viscous_nm_s_per_rad: 0.01,
-        coulomb_nm: 0.7,
-    },
-    gearbox: GearboxParams { ratio: 7.0, efficiency: 0.95, inertia_kg_m2: 0.02 },
     wheel: WheelParams { radius_m: 0.3, inertia_kg_m2: 2.0, viscous_nm_s_per_rad: 0.3 },
     body: BodyParams {
         mass_kg: 1400.0,
@@ -66,16 +71,20 @@ const FULL: PowertrainParams = PowertrainParams {
 /// Neither auxiliary loads nor losses of the converter.
 const PLAIN: PowertrainParams = PowertrainParams {
     auxiliary: AuxiliaryParams::NONE,
-    converter: ConverterParams::IDEAL,
-    gearbox: GearboxParams { efficiency: 1.0, ..FULL.gearbox },
+    drives: DriveParams {
+        converter: ConverterParams::IDEAL,
+        gearbox: GearboxParams { efficiency: 1.0, ..FULL.drives.gearbox },
+        ..FULL.drives
+    },
     ..FULL
 };
 
 /// Only one thing of each that a plain plant need not look for.
 fn with_one_load() -> [PowertrainParams; 5] {
-    let (a, c) = (PLAIN.auxiliary, PLAIN.converter);
+    let (a, c) = (PLAIN.auxiliary, PLAIN.drives.converter);
     let auxiliary = |auxiliary| PowertrainParams { auxiliary, ..PLAIN };
-    let converter = |converter| PowertrainParams { converter, ..PLAIN };
+    let converter =
+        |converter| PowertrainParams { drives: DriveParams { converter, ..PLAIN.drives }, ..PLAIN };
     [
         auxiliary(AuxiliaryParams { power_w: 700.0, ..a }),
         auxiliary(AuxiliaryParams { resistance_ohm: 90.0, ..a }),
@@ -89,7 +98,7 @@ type Plant = Powertrain<EnergyLedger>;
 type State = PowertrainState<EnergyLedger>;
 
 fn plant(params: PowertrainParams) -> Plant {
-    Powertrain::with_ledger(params, DT).unwrap()
+    Powertrain::new(params, DT).unwrap().with_ledger()
 }
 
 /// Numbers in −1..1, the same in every run.
@@ -108,7 +117,7 @@ fn cases(plant: &Plant) -> Vec<(State, PowertrainInput)> {
     let case = |k: usize| {
         let slow = if k.is_multiple_of(3) { 0.01 } else { 1.0 };
         let mut state = plant.at_speed(0.5 + 0.45 * n.next(), 30.0 * slow * n.next()).unwrap();
-        state.current_a = Accum::new(150.0 * slow * n.next());
+        state.drives = Accum::new(150.0 * slow * n.next());
         state.battery.rc.voltage_v = Accum::new(3.0 * n.next());
         if k.is_multiple_of(40) {
             state.battery.soc = Accum::new(1e-7 * (1.0 + n.next()));
@@ -118,6 +127,7 @@ fn cases(plant: &Plant) -> Vec<(State, PowertrainInput)> {
             grade: Grade::from_sin(0.1 * n.next()),
             headwind_m_s: 10.0 * n.next(),
             brake_n: 1000.0 * (1.0 + n.next()),
+            ..Road::default()
         };
         let auxiliary_w = if k.is_multiple_of(2) { 0.0 } else { 1000.0 * (1.0 + n.next()) };
         // Around the duty at which nothing flows, or anything.
@@ -148,24 +158,25 @@ struct Sizes {
 
 fn sizes(p: &PowertrainParams) -> Sizes {
     let radius = f64::from(p.wheel.radius_m);
-    let turns = f64::from(p.gearbox.ratio) / radius;
-    let rotor = f64::from(p.motor.inertia_kg_m2) + f64::from(p.gearbox.inertia_kg_m2);
-    let kt = f64::from(p.motor.torque_nm_per_a) * turns;
+    let turns = f64::from(p.drives.gearbox.ratio) / radius;
+    let rotor = f64::from(p.drives.motor.inertia_kg_m2) + f64::from(p.drives.gearbox.inertia_kg_m2);
+    let kt = f64::from(p.drives.motor.torque_nm_per_a) * turns;
     Sizes {
         mass_kg: f64::from(p.body.mass_kg)
             + f64::from(p.wheel.inertia_kg_m2) / radius.powi(2)
             + rotor * turns.powi(2),
         viscous: f64::from(p.wheel.viscous_nm_s_per_rad) / radius.powi(2)
-            + f64::from(p.motor.viscous_nm_s_per_rad) * turns.powi(2),
-        coulomb_n: f64::from(p.motor.coulomb_nm) * turns,
-        gear_n_per_a: (1.0 - f64::from(p.gearbox.efficiency)) * kt,
+            + f64::from(p.drives.motor.viscous_nm_s_per_rad) * turns.powi(2),
+        coulomb_n: f64::from(p.drives.motor.coulomb_nm) * turns,
+        gear_n_per_a: (1.0 - f64::from(p.drives.gearbox.efficiency)) * kt,
         kt,
-        ke: f64::from(p.motor.back_emf_v_s_per_rad) * turns,
+        ke: f64::from(p.drives.motor.back_emf_v_s_per_rad) * turns,
         turns,
     }
 }
 
 /// Checks one step against the equations; `h·F` of each force for the ledger's terms.
+#[allow(clippy::too_many_lines, reason = "one equation after the other")]
 fn holds(
     p: &PowertrainParams,
     before: &State,
@@ -178,10 +189,10 @@ fn holds(
     let value = |sum: Accum| f64::from(sum.get());
     let rise = |now: Accum, before: Accum| f64::from(now.since(before));
     let (v0, v) = (value(before.body.speed_m_s), value(now.body.speed_m_s));
-    let (i0, i) = (value(before.current_a), value(now.current_a));
+    let (i0, i) = (value(before.drives), value(now.drives));
     let rc = value(now.battery.rc.voltage_v);
     let (bat_a, bat_v, duty) =
-        (f64::from(out.battery_a), f64::from(out.battery_v), f64::from(out.duty));
+        (f64::from(out.battery_a), f64::from(out.battery_v), f64::from(out.drives.duty));
 
     // Battery.
     let b = &p.battery;
@@ -199,18 +210,26 @@ fn holds(
 
     // Loads, at the voltage of the step before, and the converter.
     let last_v = f64::from(before.battery_v);
-    let (mut power_w, mut resistor_s, mut shunt_s) = (0.0, 0.0, 0.0);
-    if !out.auxiliary_starved {
-        power_w = f64::from(p.auxiliary.power_w) + f64::from(input.auxiliary_w);
-        resistor_s = 1.0 / f64::from(p.auxiliary.resistance_ohm);
-        shunt_s = f64::from(p.converter.constant_loss_w) / last_v.powi(2);
+    let power_w = f64::from(p.auxiliary.power_w) + f64::from(input.auxiliary_w);
+    let mut resistor_s = 1.0 / f64::from(p.auxiliary.resistance_ohm);
+    let mut shunt_s = f64::from(p.drives.converter.constant_loss_w) / last_v.powi(2);
+    let mut constant_a = power_w / last_v;
+    if out.auxiliary_starved {
+        // The same share of each is left.
+        let full_a = constant_a + (resistor_s + shunt_s) * bat_v;
+        let share = (bat_a - duty * i) / full_a;
+        assert!((-1e-6..1.0).contains(&share), "{share}: {out:?}");
+        (constant_a, resistor_s, shunt_s) =
+            (share * constant_a, share * resistor_s, share * shunt_s);
+        let auxiliary_w = (constant_a + resistor_s * bat_v) * bat_v;
+        let error_w = (f64::from(out.flows.auxiliary) - auxiliary_w).abs();
+        assert!(error_w <= 1e-5 * full_a * bat_v + 1e-5 * (duty * i * bat_v).abs(), "{out:?}");
     }
-    let constant_a = power_w / last_v;
     balances(&[duty * i, constant_a, (resistor_s + shunt_s) * bat_v, -bat_a], "node");
-    let ohm = f64::from(p.converter.resistance_ohm);
-    let mut drop_v = f64::from(p.converter.voltage_drop_v);
-    let (r, l) = (f64::from(p.motor.resistance_ohm), f64::from(p.motor.inductance_h));
-    let di = rise(now.current_a, before.current_a);
+    let ohm = f64::from(p.drives.converter.resistance_ohm);
+    let mut drop_v = f64::from(p.drives.converter.voltage_drop_v);
+    let (r, l) = (f64::from(p.drives.motor.resistance_ohm), f64::from(p.drives.motor.inductance_h));
+    let di = rise(now.drives, before.drives);
     let driving_v = duty * bat_v - s.ke * v - l * di / h;
     if i == 0.0 && drop_v > 0.0 {
         // Within the converter's drop nothing flows; the speed was the old one there.
@@ -249,13 +268,13 @@ fn holds(
     // What the step says.
     for (said, wanted) in [
         (out.speed_m_s, v),
-        (out.motor_a, i),
+        (out.drives.motor_a, i),
         (out.distance_m, value(now.body.distance_m)),
         (out.soc, value(now.battery.soc)),
         (now.battery_v, bat_v),
         (out.open_circuit_v, ocv),
-        (out.motor_nm, s.kt / s.turns * i),
-        (out.motor_rad_s, s.turns * v),
+        (out.drives.motor_nm, s.kt / s.turns * i),
+        (out.drives.motor_rad_s, s.turns * v),
     ] {
         balances(&[f64::from(said), -wanted], "output");
     }
@@ -303,27 +322,36 @@ fn every_step_keeps_the_equations_and_the_limits() {
             assert!(out.battery_a <= limits.discharge_a + rounding_a, "{out:?}");
             let over_a = -out.battery_a - limits.charge_a;
             assert!(over_a <= out.limit_exceeded_a + rounding_a, "{out:?}");
-            let (asked, limit) = (input.gates.duty(), params.converter.duty_limit);
+            let (asked, limit) =
+                (input.gates.modulation().unwrap(), params.drives.converter.duty_limit);
             match out.limited {
-                Limited::No => assert_eq!(out.duty, asked),
-                Limited::Duty => assert!(asked.abs() > limit && out.duty.abs() == limit, "{out:?}"),
+                Limited::No => assert_eq!(out.drives.duty, asked),
+                Limited::Duty => {
+                    assert!(asked.abs() > limit && out.drives.duty.abs() == limit, "{out:?}");
+                }
                 Limited::Discharge => {
                     // Braking by drawing may end before, at the charge limit of what is held; and
                     // within the converter's drop nothing flows.
                     let held = (out.battery_a - limits.discharge_a).abs() <= rounding_a;
-                    let brakes = out.motor_a * out.motor_rad_s <= 0.0;
+                    let brakes = out.drives.motor_a * out.drives.motor_rad_s <= 0.0;
                     let fades = before.battery.soc.get() < 1e-3;
                     assert!(held || brakes || fades, "{out:?}");
                 }
-                Limited::Charge => assert!(out.motor_a * out.motor_rad_s < 0.0, "{out:?}"),
+                Limited::Charge => assert!(
+                    out.drives.motor_a * out.drives.motor_rad_s < 0.0,
+                    "{before:?} {input:?} {out:?}"
+                ),
                 Limited::Current => {
-                    let held = out.motor_a.abs() - params.converter.current_limit_a;
-                    assert!(held <= 1e-3 || out.duty.abs() == limit, "{out:?}");
+                    let held = out.drives.motor_a.abs() - params.drives.converter.current_limit_a;
+                    assert!(held <= 1e-3 || out.drives.duty.abs() == limit, "{out:?}");
                 }
             }
             // Only what the winding already carried is beyond the limit, or what no duty can hold.
-            let carried = before.current_a.get().abs() >= out.motor_a.abs();
-            assert!(out.limit_exceeded_a == 0.0 || carried || out.duty.abs() == limit, "{out:?}");
+            let carried = before.drives.get().abs() >= out.drives.motor_a.abs();
+            assert!(
+                out.limit_exceeded_a == 0.0 || carried || out.drives.duty.abs() == limit,
+                "{out:?}"
+            );
             seen[out.limited as usize] += 1;
             seen[5 + out.slip as usize] += 1;
             seen[8] += usize::from(out.auxiliary_starved);
@@ -338,7 +366,8 @@ fn every_step_keeps_the_equations_and_the_limits() {
 fn loads_a(p: &PowertrainParams, before: &State, input: &PowertrainInput) -> Real {
     let volts = before.battery_v;
     (p.auxiliary.power_w + input.auxiliary_w) / volts
-        + (1.0 / p.auxiliary.resistance_ohm + p.converter.constant_loss_w / (volts * volts)) * 310.0
+        + (1.0 / p.auxiliary.resistance_ohm + p.drives.converter.constant_loss_w / (volts * volts))
+            * 310.0
 }
 
 #[test]
@@ -347,7 +376,7 @@ fn a_refused_step_changes_nothing_and_says_so() {
     let good = PowertrainInput::on(0.0);
     for speed in [7.0, 0.0, -7.0] {
         let mut before = plant.at_speed(0.4, speed).unwrap();
-        before.current_a = Accum::new(33.0);
+        before.drives = Accum::new(33.0);
         let flat = Road::default();
         let road = |road| PowertrainInput { road, ..good };
         let mut bad = std::vec![
@@ -380,10 +409,10 @@ fn a_refused_step_changes_nothing_and_says_so() {
             let out = plant.step(&mut now, input);
             assert!(out.rejected && now == before, "{input:?}");
             assert_eq!((out.speed_m_s, out.distance_m, out.soc), (speed, 0.0, 0.4));
-            assert_eq!((out.duty, out.battery_a, out.limited), (0.0, 0.0, Limited::No));
-            assert_eq!((out.battery_v, out.motor_a), (before.battery_v, 33.0));
-            assert_eq!(out.motor_nm, FULL.motor.torque_nm_per_a * 33.0);
-            assert_eq!(out.motor_rad_s, plant.motor_rad_per_m() * speed);
+            assert_eq!((out.drives.duty, out.battery_a, out.limited), (0.0, 0.0, Limited::No));
+            assert_eq!((out.battery_v, out.drives.motor_a), (before.battery_v, 33.0));
+            assert_eq!(out.drives.motor_nm, FULL.drives.motor.torque_nm_per_a * 33.0);
+            assert_eq!(out.drives.motor_rad_s, plant.motor_rad_per_m() * speed);
             assert_eq!(out.slip.sign(), speed.signum() * Real::from(speed != 0.0));
             assert!(
                 out.flows == crate::powertrain::ledger::Flows::default() && !out.auxiliary_starved

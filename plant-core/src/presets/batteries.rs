@@ -6,7 +6,7 @@
 
 use crate::battery::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit, OverSoc,
-    ResistanceMap, ThermalParams,
+    ResistanceMap, ThermalParams, VoltageLimits,
 };
 use crate::must;
 use crate::num::SocTable;
@@ -17,6 +17,7 @@ pub const BMW_I3_60AH_PACK: MappedBatteryParams = MappedBatteryParams {
     capacity_ah: 61.7,
     discharge_limit_a: 400.0,
     charge_limit_a: 150.0,
+    voltage_limits: VoltageLimits::NONE,
     refresh_s: 1.0,
     open_circuit: OpenCircuit::Table(must!(SocTable::from_points(
         "battery.open_circuit.table",
@@ -102,6 +103,7 @@ pub const PANASONIC_NCR18650PF: MappedBatteryParams = MappedBatteryParams {
     capacity_ah: 2.968,
     discharge_limit_a: 25.0,
     charge_limit_a: 12.0,
+    voltage_limits: VoltageLimits::NONE,
     refresh_s: 1.0,
     open_circuit: OpenCircuit::Table(must!(SocTable::from_points(
         "battery.open_circuit.table",

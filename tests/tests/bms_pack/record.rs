@@ -70,7 +70,7 @@ proptest! {
             prop_assert_eq!(found.newest.unwrap().record, older);
             prop_assert!(found.damaged);
             prop_assert_eq!(found.next().0, Slot::Second);
-            // And the other way round.
+            // And in the other order.
             prop_assert_eq!(Found::in_slots(&wrong, &first).newest.unwrap().record, older);
             prop_assert_eq!(Found::in_slots(&wrong, &wrong).newest, None);
         }

@@ -66,7 +66,7 @@ proptest! {
         let (h, capacity_c) = (f64::from(dt_s), 3600.0 * f64::from(params.battery.capacity_ah));
         for step in 0..1000 {
             let (duty, brake_n) = inputs[step / 100 % inputs.len()];
-            let road = Road { grade: Grade::from_sin(slope), headwind_m_s: 0.0, brake_n };
+            let road = Road { grade: Grade::from_sin(slope), brake_n, ..Road::default() };
             let before = s;
             let out = plant.step(&mut s, PowertrainInput { road, auxiliary_w: 100.0, ..PowertrainInput::on(duty) });
             prop_assert!((0.0..=1.0).contains(&out.soc) && !out.rejected, "{step}: {out:?}");

@@ -3,7 +3,7 @@
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{
     BatteryParams, BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit,
-    OverSoc, RcBranchParams, ResistanceMap, ThermalParams,
+    OverSoc, RcBranchParams, ResistanceMap, ThermalParams, VoltageLimits,
 };
 use plant_core::control::driver::TorqueDriverParams;
 use plant_core::control::foc::FocParams;
@@ -16,7 +16,7 @@ use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::{LARGEST_PARAM, SMALLEST_PARAM, SocTable};
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 
@@ -119,6 +119,7 @@ pub fn battery(d: &mut Draw) -> BatteryParams {
         polarisation: rc_branch(d),
         discharge_limit_a: d.near_or(300.0, Real::INFINITY),
         charge_limit_a: d.near_or(200.0, Real::INFINITY),
+        voltage_limits: VoltageLimits::NONE,
     }
 }
 
@@ -148,6 +149,7 @@ pub fn mapped_battery(d: &mut Draw) -> MappedBatteryParams {
         capacity_ah,
         discharge_limit_a,
         charge_limit_a,
+        voltage_limits: VoltageLimits::NONE,
         refresh_s: d.near(0.1),
         open_circuit,
         hysteresis: HysteresisParams {
@@ -281,9 +283,7 @@ pub fn plant(d: &mut Draw) -> PowertrainParams {
     PowertrainParams {
         battery: battery(d),
         auxiliary: auxiliary(d),
-        converter: converter(d),
-        motor: motor(d),
-        gearbox: gearbox(d),
+        drives: DriveParams { converter: converter(d), ..DriveParams::new(motor(d), gearbox(d)) },
         wheel: wheel(d),
         body: body(d),
     }

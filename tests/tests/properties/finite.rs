@@ -175,13 +175,16 @@ fn wheel() {
 #[test]
 fn body() {
     let model = some(PERMITTED, |d| (draw::body(d), d.dt()));
-    let inputs =
-        inputs([signed(5000.0), signed(0.3), signed(1e-3), signed(20.0), positive(5000.0)]);
+    let road = [signed(0.3), signed(1e-3), signed(20.0), positive(5000.0)];
+    let [sin, cos, wind, brake] = road;
+    let inputs = inputs([signed(5000.0), sin, cos, wind, brake, positive(2.0), positive(2.0)]);
     check(768, (model, inputs), |((params, dt), inputs)| {
         let model = Body::new(params, dt).unwrap();
-        keeps(BodyState::default(), &inputs, |s, [force_n, sin, cos, headwind_m_s, brake_n]| {
-            let cos = cos + Grade::from_sin(sin).cos;
-            let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n };
+        keeps(BodyState::default(), &inputs, |s, fields| {
+            let [force_n, sin, cos, headwind_m_s, brake_n, air_density_factor, rolling_factor] =
+                fields;
+            let grade = Grade { sin, cos: cos + Grade::from_sin(sin).cos };
+            let road = Road { grade, headwind_m_s, brake_n, air_density_factor, rolling_factor };
             let out = model.step(s, BodyInput { force_n, road });
             (out, out.rejected)
         })

@@ -29,11 +29,11 @@ fn powertrain_with_its_ledger() {
     let [sin, cos, wind, brake] = road;
     let inputs = inputs([signed(1.0), sin, cos, wind, brake, positive(2000.0)]);
     check(512, (model, inputs), |((params, dt, soc, speed), inputs)| {
-        let model = Powertrain::with_ledger(params, dt).unwrap();
+        let model = Powertrain::new(params, dt).unwrap().with_ledger();
         let start = model.at_speed(soc, speed).unwrap();
         keeps(start, &inputs, |s, [duty, sin, cos, headwind_m_s, brake_n, auxiliary_w]| {
             let cos = cos + Grade::from_sin(sin).cos;
-            let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n };
+            let road = Road { grade: Grade { sin, cos }, headwind_m_s, brake_n, ..Road::default() };
             let out =
                 model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             ((out, model.energy(&start, s)), out.rejected)
@@ -53,8 +53,16 @@ fn drives(
     keeps(DriverState::default(), inputs, |s, fields| {
         let [reference_m_s, reference_m_s2, speed_m_s, motor_a, battery_v, soc, duty] = fields;
         let limited = battery_v.to_bits() & 1 == 1;
-        let vehicle =
-            Feedback { speed_m_s, motor_a, battery_v, soc, duty, limited, slope_sin: 0.0 };
+        let vehicle = Feedback {
+            speed_m_s,
+            motor_a,
+            motor_nm: 0.3 * motor_a,
+            battery_v,
+            soc,
+            duty,
+            limited,
+            slope_sin: 0.0,
+        };
         let out = model.step(s, DriverInput { reference_m_s, reference_m_s2, vehicle });
         let moved = out.rejected && out != DriverOutput { rejected: true, ..held };
         held = out;

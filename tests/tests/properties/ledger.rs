@@ -3,7 +3,7 @@
 use plant_core::Real;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::BatteryParams;
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive, signed};
@@ -22,6 +22,8 @@ struct Stretch {
     headwind_m_s: Real,
     brake_n: Real,
     auxiliary_w: Real,
+    air_density_factor: Real,
+    rolling_factor: Real,
 }
 
 const STRETCH_STEPS: u32 = 500;
@@ -35,12 +37,18 @@ struct Drive {
 
 fn drives() -> impl Strategy<Value = Drive> {
     let acts = (signed(1.0), signed(0.1), signed(15.0), positive(2000.0), positive(2000.0));
-    let stretch = acts.prop_map(|(duty, sin, headwind_m_s, brake_n, auxiliary_w)| Stretch {
-        duty,
-        sin,
-        headwind_m_s,
-        brake_n,
-        auxiliary_w,
+    let factors = (0.5..2.0_f32, 0.5..2.0_f32);
+    let stretch = (acts, factors).prop_map(|(acts, (air_density_factor, rolling_factor))| {
+        let (duty, sin, headwind_m_s, brake_n, auxiliary_w) = acts;
+        Stretch {
+            duty,
+            sin,
+            headwind_m_s,
+            brake_n,
+            auxiliary_w,
+            air_density_factor,
+            rolling_factor,
+        }
     });
     (log(1e-5, 0.1), signed(30.0), prop::collection::vec(stretch, 4..12))
         .prop_map(|(dt_s, speed_m_s, stretches)| Drive { dt_s, speed_m_s, stretches })
@@ -62,7 +70,8 @@ fn finite_plant(d: &mut Draw) -> PowertrainParams {
     };
     let resistance_ohm = auxiliary.resistance_ohm.min(1e9);
     let auxiliary = AuxiliaryParams { resistance_ohm, ..auxiliary };
-    PowertrainParams { battery, auxiliary, motor, ..plant }
+    let drives = DriveParams { motor, ..plant.drives };
+    PowertrainParams { battery, auxiliary, drives, ..plant }
 }
 
 /// The residual of a drive and what it is measured against \[J\], with one crate's scalar or the
@@ -72,7 +81,7 @@ macro_rules! residual_and_turnover {
     ($core:ident, $real:ty, $params:expr, $case:expr) => {{
         let case: &Drive = $case;
         let dt = $core::Dt::from_s(<$real>::from(case.dt_s)).unwrap();
-        let plant = $core::powertrain::Powertrain::with_ledger($params, dt).unwrap();
+        let plant = $core::powertrain::Powertrain::new($params, dt).unwrap().with_ledger();
         let start = plant.at_speed(0.6, case.speed_m_s.into()).unwrap();
         let mut s = start;
         for stretch in &case.stretches {
@@ -80,6 +89,8 @@ macro_rules! residual_and_turnover {
                 grade: $core::mechanics::slope::Grade::from_sin(stretch.sin.into()),
                 headwind_m_s: stretch.headwind_m_s.into(),
                 brake_n: stretch.brake_n.into(),
+                air_density_factor: stretch.air_density_factor.into(),
+                rolling_factor: stretch.rolling_factor.into(),
             };
             let (duty, auxiliary_w) = (stretch.duty.into(), stretch.auxiliary_w.into());
             let input = $core::powertrain::PowertrainInput {

@@ -1,9 +1,9 @@
 //! A limit holds at any step, in `f32` and in its f64 twin, without exception.
 
 use plant_core::Real;
-use plant_core::battery::BatteryParams;
+use plant_core::battery::{BatteryParams, VoltageLimits};
 use plant_core::converter::ConverterParams;
-use plant_core::powertrain::PowertrainParams;
+use plant_core::powertrain::{DriveParams, PowertrainParams};
 use proptest::prelude::*;
 
 use crate::check::{cases, log, positive, signed};
@@ -22,21 +22,37 @@ const FLIP: f64 = 2e-3;
 /// Flips for which there is a reason: a standstill, a limit that ends, a battery that becomes full.
 const FLIPS: u32 = 6;
 
+/// Now and then voltages that may act, around the one at rest.
+fn voltage_limits(d: &mut Draw, battery: &BatteryParams, soc: Real) -> VoltageLimits {
+    let (below, above) = (0.1 + d.ratio(), 0.1 + d.ratio());
+    if !d.seldom() {
+        return VoltageLimits::NONE;
+    }
+    let rest_v = battery.open_circuit.at(soc);
+    let width_v = 0.2 * (battery.open_circuit.at(1.0) - battery.open_circuit.at(0.0));
+    VoltageLimits {
+        lowest_v: (rest_v - below * width_v).max(0.0),
+        highest_v: rest_v + above * width_v,
+    }
+}
+
 /// A plant with tight limits now and then, and near-empty or near-full now and then.
 fn case(d: &mut Draw) -> (PowertrainParams, Real) {
     let plant = draw::plant(d);
     let tight = if d.seldom() { 0.05 } else { 1.0 };
-    let battery = BatteryParams {
-        discharge_limit_a: tight * plant.battery.discharge_limit_a,
-        charge_limit_a: tight * plant.battery.charge_limit_a,
-        ..plant.battery
-    };
     let current_limit_a = if d.seldom() { d.near(300.0) } else { 1e9 };
-    let converter = ConverterParams { duty_limit: 1.0, current_limit_a, ..plant.converter };
+    let converter = ConverterParams { duty_limit: 1.0, current_limit_a, ..plant.drives.converter };
     let soc = d.ratio();
     let margin = d.near(1e-6).min(0.5);
     let soc = if d.seldom() { if soc > 0.5 { 1.0 - margin } else { margin } } else { soc };
-    (PowertrainParams { battery, converter, ..plant }, soc)
+    let battery = BatteryParams {
+        discharge_limit_a: tight * plant.battery.discharge_limit_a,
+        charge_limit_a: tight * plant.battery.charge_limit_a,
+        voltage_limits: voltage_limits(d, &plant.battery, soc),
+        ..plant.battery
+    };
+    let drives = DriveParams { converter, ..plant.drives };
+    (PowertrainParams { battery, drives, ..plant }, soc)
 }
 
 /// One command, held.
@@ -75,13 +91,13 @@ macro_rules! keeps_limits {
         use $core::powertrain::{Powertrain, PowertrainInput};
         let (c, of) = ($command, |x: Real| <$real>::from(x));
         let plant =
-            Powertrain::with_ledger($params, $core::Dt::from_s(of(c.dt_s)).unwrap()).unwrap();
+            Powertrain::new($params, $core::Dt::from_s(of(c.dt_s)).unwrap()).unwrap().with_ledger();
         let mut s = plant.at_speed(of($soc), of(c.speed_m_s)).unwrap();
         let start = s;
         let grade = Grade::from_sin(of(c.sin));
         let asked = CurrentLimits { discharge_a: of(c.discharge_a), charge_a: of(c.charge_a) };
         let input = PowertrainInput {
-            road: Road { grade, headwind_m_s: 0.0, brake_n: of(c.brake_n) },
+            road: Road { grade, brake_n: of(c.brake_n), ..Road::default() },
             auxiliary_w: of(c.auxiliary_w),
             limits: asked,
             ..PowertrainInput::on(of(c.duty))
@@ -92,12 +108,13 @@ macro_rules! keeps_limits {
             let limits = plant.battery().faded(&before.battery).within(asked);
             let out = plant.step(&mut s, input);
             prop_assert!(!out.rejected, "{out:?}");
-            let (battery_a, motor_a) = (f64::from(out.battery_a), f64::from(out.motor_a));
-            let carried_a = f64::from(before.current_a.get());
+            let (battery_a, motor_a) = (f64::from(out.battery_a), f64::from(out.drives.motor_a));
+            let carried_a = f64::from(before.drives.get());
             // In single precision the power of the winding's field is known to some of its last
             // bits; near the battery's greatest power a current follows badly from a power.
             let most_a = motor_a.abs().max(carried_a.abs());
-            let field_w = f64::from($params.motor.inductance_h / of(c.dt_s)) * most_a * most_a;
+            let field_w =
+                f64::from($params.drives.motor.inductance_h / of(c.dt_s)) * most_a * most_a;
             let per_a_v = f64::from(2.0 * out.battery_v - out.open_circuit_v).abs().max(0.1);
             let rounding_a = 2e-3
                 + HELD_REL * battery_a.abs()
@@ -107,12 +124,13 @@ macro_rules! keeps_limits {
                 .max(-battery_a - f64::from(limits.charge_a));
             let reported_a = f64::from(out.limit_exceeded_a);
             prop_assert!(over_a <= reported_a + rounding_a, "{n}: {over_a} {out:?} {before:?}");
-            let why = carried_a.abs() >= 0.999 * motor_a.abs() || out.duty.abs() == 1.0;
+            let why = carried_a.abs() >= 0.999 * motor_a.abs() || out.drives.duty.abs() == 1.0;
             prop_assert!(reported_a <= rounding_a || why, "{n}: {reported_a} {out:?} {before:?}");
-            let step = f64::from(out.duty) - duty;
+            let step = f64::from(out.drives.duty) - duty;
             let flip = n > 1 && step * rise < 0.0 && step.abs().min(f64::abs(rise)) > FLIP;
             flips += u32::from(flip);
-            (duty, rise) = (f64::from(out.duty), step);
+            prop_assert!(flips <= FLIPS, "{n}: {flips} flips, {duty} then {out:?} {before:?}");
+            (duty, rise) = (f64::from(out.drives.duty), step);
         }
         prop_assert!(flips <= FLIPS, "{flips} flips");
         let report = plant.energy(&start, &s);

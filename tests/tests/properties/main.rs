@@ -10,7 +10,7 @@
 //! | [`standstill`] | friction holds a vehicle on a slope exactly, up to its limit |
 //! | [`ledger`] | the energy ledger closes, in `f32` and in its f64 twin |
 //! | [`symmetry`] | mirrored inputs give the mirrored motion, bit for bit |
-//! | [`monotony`] | more current, brake or duty acts the way it should |
+//! | [`monotony`] | more current, brake or duty acts in the direction that it should |
 //! | [`refusal`] | every `new` refuses each bad field by name and takes what is valid |
 //! | [`steady`] | the steady state does not depend on the step |
 //!

@@ -3,7 +3,7 @@
 use plant_core::battery::{MappedBattery, MappedBatteryInput};
 use plant_core::mechanics::body::Road;
 use plant_core::mechanics::slope::Grade;
-use plant_core::powertrain::{Powertrain, PowertrainInput};
+use plant_core::powertrain::PowertrainInput;
 use plant_core::{Dt, Real};
 use proptest::prelude::*;
 
@@ -36,10 +36,10 @@ fn stays_finite_in_the_plant() {
     let plants = drawn(PLAUSIBLE, draw::plant);
     let inputs = inputs([signed(1.0), signed(0.2), positive(5000.0), positive(2000.0)]);
     check(256, (model, plants, inputs), |((battery, dt, soc), plant, inputs)| {
-        let model = Powertrain::mapped(plant.with_battery(battery), dt).unwrap();
+        let model = plant.with_battery(battery).build(dt).unwrap();
         keeps(model.at_rest(soc).unwrap(), &inputs, |s, [duty, sin, brake_n, auxiliary_w]| {
             let grade = Grade { sin, ..Grade::from_sin(sin) };
-            let road = Road { grade, headwind_m_s: 0.0, brake_n };
+            let road = Road { grade, brake_n, ..Road::default() };
             let out =
                 model.step(s, PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) });
             (out, out.rejected)
@@ -83,7 +83,7 @@ proptest! {
         duties in prop::collection::vec((signed(1.0), signed(0.1)), 1..8),
     ) {
         let dt = Dt::from_s(dt_s).unwrap();
-        let plant = Powertrain::mapped_with_ledger(plant.with_battery(battery), dt).unwrap();
+        let plant = plant.with_battery(battery).build(dt).unwrap().with_ledger();
         let start = plant.at_speed(0.6, speed).unwrap();
         let mut s = start;
         for (duty, sin) in duties {

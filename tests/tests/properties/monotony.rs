@@ -1,10 +1,10 @@
-//! More current, brake or duty acts the way it should, from any state.
+//! More current, brake or duty acts in the direction that it should, from any state.
 
 use plant_core::battery::{Battery, BatteryInput, BatteryParams, BatteryState};
 use plant_core::converter::ConverterParams;
 use plant_core::mechanics::body::Road;
 use plant_core::mechanics::slope::Grade;
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainInput, PowertrainParams};
 use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;
 
@@ -20,8 +20,9 @@ fn unlimited_plant(d: &mut Draw) -> PowertrainParams {
         capacity_ah: 1e6,
         ..plant.battery
     };
-    let converter = ConverterParams { duty_limit: 2.0, ..plant.converter };
-    PowertrainParams { battery, converter, ..plant }
+    let converter = ConverterParams { duty_limit: 2.0, ..plant.drives.converter };
+    let drives = DriveParams { converter, ..plant.drives };
+    PowertrainParams { battery, drives, ..plant }
 }
 
 proptest! {
@@ -60,9 +61,9 @@ proptest! {
     ) {
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         let mut start = plant.at_speed(0.5, speed).unwrap();
-        start.current_a = Accum::new(current);
+        start.drives = Accum::new(current);
         let at = |brake_n| {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n, ..Road::default() };
             plant.step(&mut start.clone(), PowertrainInput { road, auxiliary_w: 0.0, ..PowertrainInput::on(duty) })
         };
         let (less, more) = (at(one.min(other)), at(one.max(other)));
@@ -84,16 +85,16 @@ proptest! {
     ) {
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         let mut start = plant.at_speed(0.5, speed).unwrap();
-        start.current_a = Accum::new(current);
+        start.drives = Accum::new(current);
         let at = |duty| {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s: 0.0, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), brake_n, ..Road::default() };
             plant.step(&mut start.clone(), PowertrainInput { road, auxiliary_w: 0.0, ..PowertrainInput::on(duty) })
         };
         let (low, high) = (at(one.min(other)), at(one.max(other)));
         let idle_v = at(0.0).battery_v;
         prop_assume!(low.battery_v > 0.5 * idle_v && high.battery_v > 0.5 * idle_v);
-        let rounding_a = 1e-6 * (current.abs() + low.motor_a.abs());
-        prop_assert!(high.motor_a >= low.motor_a - rounding_a, "{low:?} {high:?}");
+        let rounding_a = 1e-6 * (current.abs() + low.drives.motor_a.abs());
+        prop_assert!(high.drives.motor_a >= low.drives.motor_a - rounding_a, "{low:?} {high:?}");
         let faster_by = high.speed_m_s - low.speed_m_s;
         prop_assert!(faster_by >= -1e-6 * speed.abs().max(low.speed_m_s.abs()), "{low:?} {high:?}");
     }

@@ -1,14 +1,13 @@
 //! Without a source the stored energy never rises.
 
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::BatteryParams;
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorParams, DcMotorState};
 use plant_core::machine::flux::Flux;
 use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
 use plant_core::machine::transform::Dq;
 use plant_core::mechanics::body::Road;
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainInput, PowertrainParams};
 use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;
 
@@ -33,10 +32,9 @@ fn weighted_j(mass_kg: Real, speed: Real, motor: &DcMotorParams, current_a: Real
 fn passive_plant(d: &mut Draw) -> PowertrainParams {
     let motor = if d.seldom() { draw::lossy_motor(d) } else { draw::motor(d) };
     let plant = draw::plant(d);
-    let converter = ConverterParams { constant_loss_w: 0.0, ..plant.converter };
-    // A shorted winding passes through currents that would charge the battery if they were held.
-    let battery = BatteryParams { charge_limit_a: Real::INFINITY, ..plant.battery };
-    PowertrainParams { battery, auxiliary: AuxiliaryParams::NONE, converter, motor, ..plant }
+    let converter = ConverterParams { constant_loss_w: 0.0, ..plant.drives.converter };
+    let drives = DriveParams { converter, motor, ..plant.drives };
+    PowertrainParams { auxiliary: AuxiliaryParams::NONE, drives, ..plant }
 }
 
 proptest! {
@@ -54,7 +52,7 @@ proptest! {
     ) {
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         let mut s = plant.at_speed(0.5, speed).unwrap();
-        s.current_a = Accum::new(current);
+        s.drives = Accum::new(current);
         s.battery.rc.voltage_v = Accum::new(rc_v);
         let input = PowertrainInput {
             road: Road { brake_n, ..Road::default() },
@@ -63,8 +61,8 @@ proptest! {
         let farad = f64::from(params.battery.polarisation.capacitance_f);
         let (mut last_j, mut last_c_j) = (f64::INFINITY, f64::INFINITY);
         for step in 0..200 {
-            let (v, i) = (s.body.speed_m_s.get(), s.current_a.get());
-            let stored_j = weighted_j(plant.moving_mass_kg(), v, &params.motor, i);
+            let (v, i) = (s.body.speed_m_s.get(), s.drives.get());
+            let stored_j = weighted_j(plant.moving_mass_kg(), v, &params.drives.motor, i);
             let capacitive_j = 0.5 * farad * f64::from(s.battery.rc.voltage_v.get()).powi(2);
             prop_assert!(!rose(last_j, stored_j), "{step}: {last_j} {stored_j}");
             prop_assert!(!rose(last_c_j, capacitive_j), "{step}: {s:?}");

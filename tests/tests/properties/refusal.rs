@@ -1,7 +1,10 @@
 //! Every `new` refuses each bad field by name and takes what is valid.
 
 use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
-use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranch, RcBranchParams};
+use plant_core::battery::{
+    Battery, BatteryParams, MappedBattery, MappedBatteryParams, OpenCircuit, RcBranch,
+    RcBranchParams, VoltageLimits,
+};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::foc::{Foc, FocParams};
 use plant_core::control::pid::{Pid, PidParams};
@@ -15,7 +18,7 @@ use plant_core::mechanics::rotational::{RotationalLoad, RotationalLoadParams};
 use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
-use plant_core::powertrain::{Powertrain, PowertrainParams};
+use plant_core::powertrain::{DriveParams, Powertrain, PowertrainParams};
 use plant_core::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
@@ -102,7 +105,7 @@ fn battery() {
         series_resistance_ohm: POSITIVE,
         discharge_limit_a: LIMIT,
         charge_limit_a: LIMIT,
-    } beside open_circuit, polarisation);
+    } beside open_circuit, polarisation, voltage_limits);
     let polarisation = PLANT.battery.polarisation;
     refuses!(|p| RcBranch::new(p, DT), RcBranchParams: polarisation, {
         resistance_ohm: POSITIVE,
@@ -113,6 +116,24 @@ fn battery() {
         resistance_ohm: POSITIVE,
         capacitance_f: POSITIVE,
     });
+}
+
+#[test]
+fn voltage_limits() {
+    let good = VoltageLimits { lowest_v: 300.0, highest_v: 400.0 };
+    let make = |voltage_limits| Battery::new(BatteryParams { voltage_limits, ..PLANT.battery }, DT);
+    refuses!(make, VoltageLimits: good, {
+        lowest_v: &[-1e-9, -1.0, 1e13, NAN, INF],
+        highest_v: &[0.0, -1.0, 300.0, NAN, -INF],
+    });
+    let mapped = MappedBatteryParams::constant(PLANT.battery);
+    let make =
+        |voltage_limits| MappedBattery::new(MappedBatteryParams { voltage_limits, ..mapped }, DT);
+    refuses!(make, VoltageLimits: good, {
+        lowest_v: &[-1.0, NAN],
+        highest_v: &[300.0, NAN],
+    });
+    assert!(make(VoltageLimits::NONE).is_ok());
 }
 
 #[test]
@@ -142,7 +163,7 @@ fn auxiliary_and_converter() {
         resistance_ohm: LIMIT,
         cut_out_v: LIMIT,
     });
-    refuses!(Converter::new, ConverterParams: PLANT.converter, {
+    refuses!(Converter::new, ConverterParams: PLANT.drives.converter, {
         duty_limit: LIMIT,
         constant_loss_w: NOT_NEGATIVE,
         voltage_drop_v: NOT_NEGATIVE,
@@ -153,7 +174,7 @@ fn auxiliary_and_converter() {
 
 #[test]
 fn motor_and_what_turns() {
-    refuses!(|p| DcMotor::new(p, DT), DcMotorParams: PLANT.motor, {
+    refuses!(|p| DcMotor::new(p, DT), DcMotorParams: PLANT.drives.motor, {
         resistance_ohm: POSITIVE,
         inductance_h: POSITIVE,
         back_emf_v_s_per_rad: POSITIVE,
@@ -162,7 +183,7 @@ fn motor_and_what_turns() {
         viscous_nm_s_per_rad: NOT_NEGATIVE,
         coulomb_nm: NOT_NEGATIVE,
     });
-    refuses!(|p| Gearbox::new(p, DT), GearboxParams: PLANT.gearbox, {
+    refuses!(|p| Gearbox::new(p, DT), GearboxParams: PLANT.drives.gearbox, {
         ratio: POSITIVE,
         efficiency: EFFICIENCY,
         inertia_kg_m2: NOT_NEGATIVE,
@@ -237,9 +258,10 @@ fn body_and_slope() {
 #[test]
 fn powertrain() {
     let make = |p| Powertrain::new(p, DT);
-    assert!(make(PLANT).is_ok() && Powertrain::with_ledger(PLANT, DT).is_ok());
-    let PowertrainParams { mut battery, mut auxiliary, mut converter, mut motor, .. } = PLANT;
-    let PowertrainParams { mut gearbox, mut wheel, mut body, .. } = PLANT;
+    assert!(make(PLANT).is_ok() && Powertrain::new(PLANT, DT).map(Powertrain::with_ledger).is_ok());
+    let PowertrainParams { mut battery, mut auxiliary, drives, mut wheel, mut body } = PLANT;
+    let DriveParams { mut converter, mut motor, mut gearbox, .. } = drives;
+    let with = |drives| PowertrainParams { drives, ..PLANT };
     battery.capacity_ah = NAN;
     auxiliary.cut_out_v = NAN;
     converter.duty_limit = NAN;
@@ -250,14 +272,14 @@ fn powertrain() {
     for (params, field) in [
         (PowertrainParams { battery, ..PLANT }, "battery.capacity_ah"),
         (PowertrainParams { auxiliary, ..PLANT }, "auxiliary.cut_out_v"),
-        (PowertrainParams { converter, ..PLANT }, "converter.duty_limit"),
-        (PowertrainParams { motor, ..PLANT }, "motor.coulomb_nm"),
-        (PowertrainParams { gearbox, ..PLANT }, "gearbox.ratio"),
+        (with(DriveParams { converter, ..drives }), "converter.duty_limit"),
+        (with(DriveParams { motor, ..drives }), "motor.coulomb_nm"),
+        (with(DriveParams { gearbox, ..drives }), "gearbox.ratio"),
         (PowertrainParams { wheel, ..PLANT }, "wheel.radius_m"),
         (PowertrainParams { body, ..PLANT }, "body.mass_kg"),
     ] {
         assert_refused(make(params), field, &NAN);
-        assert_refused(Powertrain::with_ledger(params, DT), field, &NAN);
+        assert_refused(Powertrain::new(params, DT).map(Powertrain::with_ledger), field, &NAN);
     }
     let plant = make(PLANT).unwrap();
     for bad in RATIO {
@@ -400,9 +422,9 @@ proptest! {
         }),
         motor in drawn(PERMITTED, draw::lossy_motor),
     ) {
-        let plant = PowertrainParams { motor, ..plant };
+        let plant = PowertrainParams { drives: DriveParams { motor, ..plant.drives }, ..plant };
         prop_assert_eq!(Powertrain::new(plant, dt).err(), None);
-        prop_assert_eq!(Powertrain::with_ledger(plant, dt).err(), None);
+        prop_assert_eq!(Powertrain::new(plant, dt).map(Powertrain::with_ledger).err(), None);
         prop_assert_eq!(Driver::new(DriverParams::Torque(torque), &plant, dt).err(), None);
         prop_assert_eq!(Driver::new(DriverParams::Duty(pid), &plant, dt).err(), None);
         prop_assert_eq!(Pid::new(pid, dt).err(), None);

@@ -37,8 +37,8 @@ fn sine(params: &BodyParams, held_n: f64, share: f64) -> f64 {
 
 /// The friction of the brake and of the motor's bearings, seen at the road \[N\].
 fn held_n(params: &PowertrainParams, brake_n: f32) -> f64 {
-    let per_m = f64::from(params.gearbox.ratio) / f64::from(params.wheel.radius_m);
-    f64::from(brake_n) + f64::from(params.motor.coulomb_nm) * per_m
+    let per_m = f64::from(params.drives.gearbox.ratio) / f64::from(params.wheel.radius_m);
+    f64::from(brake_n) + f64::from(params.drives.motor.coulomb_nm) * per_m
 }
 
 /// Below the limit, in shares of it; clear of rounding, and close to it often.

@@ -1,7 +1,7 @@
 //! The steady state does not depend on the step: one first-order step is exact where nothing
 //! changes.
 
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams};
+use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
 use plant_core::converter::ConverterParams;
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainParams};
 use plant_core::{Dt, Real};
@@ -32,23 +32,24 @@ fn bench(d: &mut Draw) -> PowertrainParams {
         polarisation: RcBranchParams { resistance_ohm: 0.02, capacitance_f: d.near(5.0) },
         discharge_limit_a: Real::INFINITY,
         charge_limit_a: Real::INFINITY,
+        voltage_limits: VoltageLimits::NONE,
         ..plant.battery
     };
     plant.auxiliary.cut_out_v = 1.0;
-    plant.converter = ConverterParams { duty_limit: 1.0, ..plant.converter };
-    let per_m = plant.gearbox.ratio / plant.wheel.radius_m;
-    let n_s_per_m = (plant.motor.back_emf_v_s_per_rad * per_m).powi(2) / series_ohm(&plant);
+    plant.drives.converter = ConverterParams { duty_limit: 1.0, ..plant.drives.converter };
+    let per_m = plant.drives.gearbox.ratio / plant.wheel.radius_m;
+    let n_s_per_m = (plant.drives.motor.back_emf_v_s_per_rad * per_m).powi(2) / series_ohm(&plant);
     plant.body.mass_kg = time_s * n_s_per_m;
-    plant.motor.inertia_kg_m2 = 1e-3;
+    plant.drives.motor.inertia_kg_m2 = 1e-3;
     plant.wheel.inertia_kg_m2 = 0.0;
-    plant.gearbox.inertia_kg_m2 = 0.0;
+    plant.drives.gearbox.inertia_kg_m2 = 0.0;
     plant
 }
 
 /// All that the current passes at full duty \[Ω\].
 fn series_ohm(plant: &PowertrainParams) -> Real {
-    plant.motor.resistance_ohm
-        + plant.converter.resistance_ohm
+    plant.drives.motor.resistance_ohm
+        + plant.drives.converter.resistance_ohm
         + plant.battery.series_resistance_ohm
         + plant.battery.polarisation.resistance_ohm
 }
@@ -75,13 +76,13 @@ proptest! {
     ) {
         let reference = settled(params, 1e-2, duty);
         // The last bits of a voltage, as currents: they are differences of voltages.
-        let last_bits_a = LAST_BITS * reference.open_circuit_v / params.motor.resistance_ohm;
+        let last_bits_a = LAST_BITS * reference.open_circuit_v / params.drives.motor.resistance_ohm;
         for dt_s in [1e-4, 1e-3, 1.0] {
             let out = settled(params, dt_s, duty);
             for (name, at, expected, last_bits) in [
                 ("speed", out.speed_m_s, reference.speed_m_s, 0.0),
                 ("battery voltage", out.battery_v, reference.battery_v, 0.0),
-                ("motor current", out.motor_a, reference.motor_a, last_bits_a),
+                ("motor current", out.drives.motor_a, reference.drives.motor_a, last_bits_a),
                 ("battery current", out.battery_a, reference.battery_a, last_bits_a),
             ] {
                 let off = (at - expected).abs();

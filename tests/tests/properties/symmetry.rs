@@ -17,10 +17,10 @@ use crate::check::{cases, log, positive, signed};
 use crate::draw::{self, PLAUSIBLE, drawn};
 
 fn mirrored(input: PowertrainInput) -> PowertrainInput {
-    let Road { grade, headwind_m_s, brake_n } = input.road;
+    let Road { grade, headwind_m_s, .. } = input.road;
     let grade = Grade { sin: -grade.sin, ..grade };
-    let road = Road { grade, headwind_m_s: -headwind_m_s, brake_n };
-    PowertrainInput { gates: Gates::On(-input.gates.duty()), road, ..input }
+    let road = Road { grade, headwind_m_s: -headwind_m_s, ..input.road };
+    PowertrainInput { gates: Gates::On(-input.gates.modulation().unwrap()), road, ..input }
 }
 
 fn opposite(slip: Slip) -> Slip {
@@ -49,14 +49,14 @@ proptest! {
     ) {
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         let (mut s, mut m) = (plant.at_speed(soc, speed).unwrap(), plant.at_speed(soc, -speed).unwrap());
-        (s.current_a, m.current_a) = (Accum::new(current), Accum::new(-current));
+        (s.drives, m.drives) = (Accum::new(current), Accum::new(-current));
         for (duty, sin, headwind_m_s, brake_n, auxiliary_w) in inputs {
-            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n };
+            let road = Road { grade: Grade::from_sin(sin), headwind_m_s, brake_n, ..Road::default() };
             let input = PowertrainInput { road, auxiliary_w, ..PowertrainInput::on(duty) };
             let (out, mirror) = (plant.step(&mut s, input), plant.step(&mut m, mirrored(input)));
-            let moves = [out.duty, out.speed_m_s, out.distance_m, out.motor_a, out.motor_nm];
+            let moves = [out.drives.duty, out.speed_m_s, out.distance_m, out.drives.motor_a, out.drives.motor_nm];
             let mirror_moves =
-                [mirror.duty, mirror.speed_m_s, mirror.distance_m, mirror.motor_a, mirror.motor_nm];
+                [mirror.drives.duty, mirror.speed_m_s, mirror.distance_m, mirror.drives.motor_a, mirror.drives.motor_nm];
             prop_assert_eq!(moves, mirror_moves.map(|x| -x), "{:?} {:?}", input, out);
             let battery = [out.battery_a, out.battery_v, out.soc];
             prop_assert_eq!(battery, [mirror.battery_a, mirror.battery_v, mirror.soc]);
@@ -85,7 +85,7 @@ proptest! {
         }
     }
 
-    /// Under control, its limits included; the d axis is the same both ways.
+    /// Under control, its limits included; the d axis is the same in both directions.
     #[test]
     fn synchronous_machine_under_control(
         (params, control) in drawn(PLAUSIBLE, |d| (draw::pmsm(d), draw::foc(d))),
@@ -95,23 +95,23 @@ proptest! {
         let dt = Dt::from_s(dt_s).unwrap();
         let (machine, foc) =
             (Pmsm::new(params, dt).unwrap(), Foc::new(control, params, dt).unwrap());
-        let mut ways = [1.0, -1.0].map(|way| (way, FocState::default(), PmsmState::default()));
+        let mut directions = [1.0, -1.0].map(|direction| (direction, FocState::default(), PmsmState::default()));
         for (torque_nm, load_nm, bus_v) in inputs {
-            let [there, back] = ways.each_mut().map(|(way, control, state)| {
+            let [there, back] = directions.each_mut().map(|(direction, control, state)| {
                 let input = FocInput {
-                    torque_nm: *way * torque_nm,
+                    torque_nm: *direction * torque_nm,
                     current_a: state.current_a(),
                     speed_rad_s: state.speed_rad_s.get(),
                     bus_v,
                 };
                 let told = foc.step(control, input);
                 let out =
-                    machine.step(state, PmsmInput::cold(told.voltage_v, *way * load_nm));
-                let flip = |v: Dq| [v.d, *way * v.q];
+                    machine.step(state, PmsmInput::cold(told.voltage_v, *direction * load_nm));
+                let flip = |v: Dq| [v.d, *direction * v.q];
                 let vectors = [told.voltage_v, told.reference_a, out.current_a, out.flux_wb];
                 let moves = [out.speed_rad_s, out.torque_nm, out.shaft_nm, told.torque_nm];
                 let flags = [told.weakened, told.limited, told.saturated, told.rejected];
-                let moves: [Real; 4] = moves.map(|x| *way * x);
+                let moves: [Real; 4] = moves.map(|x| *direction * x);
                 (vectors.map(flip), moves, flags, [out.electrical_w, out.copper_w, out.iron_w])
             });
             prop_assert_eq!(there, back);

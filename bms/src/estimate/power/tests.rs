@@ -4,6 +4,9 @@ use plant_core::presets::PANASONIC_NCR18650PF;
 use plant_core::{Dt, must};
 
 use super::*;
+use crate::estimate::cells::{
+    CellResistanceParams, CellResistances, Cells, CellsInput, CellsParams,
+};
 
 const DT: Dt = must!(Dt::from_s(1.0));
 const CELL: MappedBattery = must!(MappedBattery::new(PANASONIC_NCR18650PF, DT));
@@ -268,5 +271,62 @@ fn doubt_about_resistance_and_charge_keeps_the_voltage() {
         let within = ten.discharge.current_a <= 1.001 * most.discharge.current_a;
         assert_eq!(within, keeps, "{ten:?} {most:?}");
         assert!(ten.discharge.current_a > 0.7 * most.discharge.current_a);
+    }
+}
+
+/// The first of three cells has least charge, the last one most resistance.
+#[test]
+fn a_walk_of_cells_comes_to_what_is_ahead_of_them() {
+    const OF_CELLS: Cells = must!(Cells::new(
+        CellsParams {
+            open_circuit: PANASONIC_NCR18650PF.open_circuit,
+            noise_sd_v: 0.001,
+            offset_sd_v: 0.001,
+            resistance_sd_ohm: 0.003,
+            capacity_sd: 0.02,
+            soc_sd: 0.02,
+            drift_sd_per_day: 0.001,
+            pack_soc_sd_max: 0.1,
+            voltage_min_v: 2.0,
+            voltage_max_v: 4.5,
+        },
+        DT
+    ));
+    const OF_EACH: CellResistances = must!(CellResistances::new(CellResistanceParams {
+        resistance_ohm: 0.03,
+        spread_sd: 0.2,
+        noise_sd_v: 0.001,
+        least_step_a: 0.5,
+        memory_steps: 500.0,
+    }));
+    let mean = Estimate { soc_sd: 0.01, ..at(0.3, -5.0) };
+    let (mut socs, mut resistances) = (OF_CELLS.start::<3>(mean), OF_EACH.start::<3>());
+    for second in 0..300 {
+        let current_a = if second % 2 == 0 { 0.0 } else { 2.0 };
+        let cell_v =
+            [(-0.02, 0.03), (0.02, 0.03), (0.0, 0.06)].map(|(v, ohm)| 3.55 + v - ohm * current_a);
+        OF_EACH.step(&mut resistances, &cell_v, current_a);
+        if current_a == 0.0 {
+            OF_CELLS.step(&mut socs, CellsInput { pack: mean, cell_v: &cell_v, current_a });
+        }
+    }
+    let health = Health::as_new(&CELL);
+    let cells = SeriesCells { mean, health, socs: &socs, resistances: &resistances };
+    let wanted = LIMITS.ahead_of_cells(&cells);
+    // Neither cell's limits alone are those of all.
+    let alone = |index| {
+        let (cell, (ratio, _)) = (socs.cell(index).unwrap(), resistances.ratio(index).unwrap());
+        let health = Health { resistance_factor: ratio, ..health };
+        LIMITS.ahead(&Estimate { soc: cell.soc, soc_sd: cell.soc_sd, ..mean }, &health)
+    };
+    let [of_all, least_charge, most_resistance] =
+        [wanted, alone(0), alone(2)].map(|ahead| ahead[0].discharge.current_a);
+    assert!(of_all < 0.9 * least_charge && of_all <= 1.01 * most_resistance);
+    let mut walk = PowerWalk::default();
+    for _ in 0..2 {
+        for _ in 0..SLICES_OF_CELLS - 1 {
+            assert_eq!(LIMITS.walk_of_cells(&mut walk, &cells), None);
+        }
+        assert_eq!(LIMITS.walk_of_cells(&mut walk, &cells), Some(wanted));
     }
 }

@@ -8,6 +8,11 @@ use super::{Allowance, HORIZONS, PowerAhead, PowerLimits, PowerWalk};
 use crate::estimate::cells::{CellResistancesState, CellsState};
 use crate::{Estimate, Health};
 
+/// Slices of each horizon and direction.
+const PARTS: usize = 3;
+/// Calls of [`PowerLimits::walk_of_cells`] until the answer is there.
+pub const SLICES_OF_CELLS: usize = HORIZONS * 2 * PARTS;
+
 /// What is believed of the cells in series of a pack.
 #[derive(Clone, Copy, Debug)]
 pub struct SeriesCells<'a, const CELLS: usize> {
@@ -44,39 +49,6 @@ impl<const CELLS: usize> SeriesCells<'_, CELLS> {
     }
 }
 
-/// A cell, the search for another one, that one.
-const PARTS: usize = 3;
-/// Both directions of every horizon.
-const SLICES: usize = 2 * HORIZONS * PARTS;
-
-/// How far [`PowerLimits::walk_cells`] has come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CellsWalk {
-    next: usize,
-    cell: usize,
-    discharge: Allowance,
-    charge: Allowance,
-    found: [PowerAhead; HORIZONS],
-}
-
-impl CellsWalk {
-    /// Before the first call.
-    pub const START: Self = Self {
-        next: 0,
-        cell: 0,
-        discharge: Allowance::ANY,
-        charge: Allowance::ANY,
-        found: PowerWalk::START.found,
-    };
-}
-
-impl Default for CellsWalk {
-    fn default() -> Self {
-        Self::START
-    }
-}
-
 impl PowerLimits<'_> {
     /// What the cells in series allow, for limits and a battery of one cell: current as it is, power
     /// of one cell. The cell that is closest to empty or full, and the one whose voltage comes
@@ -87,60 +59,60 @@ impl PowerLimits<'_> {
         &self,
         cells: &SeriesCells<CELLS>,
     ) -> [PowerAhead; HORIZONS] {
-        let mut walk = CellsWalk::START;
-        for _ in 1..SLICES {
-            self.walk_cells(&mut walk, cells);
+        let mut walk = PowerWalk::START;
+        for _ in 0..SLICES_OF_CELLS {
+            self.slice(&mut walk, cells);
         }
-        self.walk_cells(&mut walk, cells).unwrap_or(walk.found)
+        walk.found
     }
 
-    /// The same in slices, for a processor with other things to do: one cell under one horizon in one
-    /// direction, or the search for it; after eighteen calls the answer is there, from the estimates of
-    /// these calls.
-    pub fn walk_cells<const CELLS: usize>(
+    /// The same in [`SLICES_OF_CELLS`] calls, for a processor with other things to do: with the last
+    /// one the answer is there, from what was believed at each of them.
+    pub fn walk_of_cells<const CELLS: usize>(
         &self,
-        walk: &mut CellsWalk,
+        state: &mut PowerWalk,
         cells: &SeriesCells<CELLS>,
     ) -> Option<[PowerAhead; HORIZONS]> {
-        let index = walk.next / (2 * PARTS);
-        let Some((horizon, found)) = self.horizons.get(index).zip(walk.found.get_mut(index)) else {
-            *walk = CellsWalk::START;
+        self.slice(state, cells);
+        if state.next < SLICES_OF_CELLS {
             return None;
-        };
-        let charging = walk.next / PARTS % 2 == 1;
-        let (direction, shorter) = if charging {
-            (Direction::Charge, &mut walk.charge)
-        } else {
-            (Direction::Discharge, &mut walk.discharge)
-        };
-        let part = walk.next % PARTS;
-        if part == 0 {
-            let spread = cells.socs.spread();
-            walk.cell = if charging { spread.max_index } else { spread.min_index };
         }
-        if part == 1 {
-            // The search is a slice of its own.
-            walk.cell = self.closest(direction, cells, shorter.current_a);
-        } else {
-            *shorter = match cells.cell(walk.cell) {
-                Some((estimate, health)) => {
-                    self.allow(horizon, direction, *shorter, &estimate, &health)
-                }
-                None => Allowance::NONE,
-            };
-        }
-        *found = PowerAhead {
-            horizon_s: horizon.seconds(),
-            discharge: walk.discharge,
-            charge: walk.charge,
+        let found = state.found;
+        *state = PowerWalk::START;
+        Some(found)
+    }
+
+    /// For each horizon and direction three slices: what the cell allows that is closest to empty or
+    /// full, which one comes closest to its voltage limit under that, what this one allows.
+    fn slice<const CELLS: usize>(&self, walk: &mut PowerWalk, cells: &SeriesCells<CELLS>) {
+        let (index, part) = (walk.next / PARTS / 2, walk.next % PARTS);
+        let Some((horizon, found)) = self.horizons.get(index).zip(walk.found.get_mut(index)) else {
+            *walk = PowerWalk::START;
+            return;
         };
         walk.next += 1;
-        if walk.next < SLICES {
-            return None;
+        found.horizon_s = horizon.seconds();
+        let (direction, shorter, place) = if ((walk.next - 1) / PARTS).is_multiple_of(2) {
+            (Direction::Discharge, &mut walk.discharge, &mut found.discharge)
+        } else {
+            (Direction::Charge, &mut walk.charge, &mut found.charge)
+        };
+        match (part, direction) {
+            (1, _) => {
+                walk.candidate = self.closest(direction, cells, shorter.current_a);
+                return;
+            }
+            (0, Direction::Discharge) => walk.candidate = cells.socs.spread().min_index,
+            (0, Direction::Charge) => walk.candidate = cells.socs.spread().max_index,
+            _ => {}
         }
-        let found = walk.found;
-        *walk = CellsWalk { found, ..CellsWalk::START };
-        Some(found)
+        *shorter = match cells.cell(walk.candidate) {
+            Some((estimate, health)) => {
+                self.allow(horizon, direction, *shorter, &estimate, &health)
+            }
+            None => Allowance::NONE,
+        };
+        *place = *shorter;
     }
 
     /// The cell whose voltage comes closest to its limit under a current \[A\], ≥ 0.

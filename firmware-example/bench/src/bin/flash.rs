@@ -7,7 +7,7 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use panic_halt as _;
-use voltstep_bench::{estimators, fast, items, pids};
+use voltstep_bench::{estimators, fast, items, pack, pids};
 
 const ITEM: &str = match option_env!("VOLTSTEP_ITEM") {
     Some(item) => item,
@@ -38,6 +38,11 @@ fn main() -> ! {
     keep!(
         estimators: bench_ekf_update bench_ekf_refresh bench_counter_step bench_counter_review
         bench_cells bench_kalman
+    );
+    keep!(
+        pack: bench_resistance bench_capacity bench_energy_step bench_energy_report
+        bench_power_ahead bench_power_walk bench_power_cells bench_power_cells_walk
+        bench_cell_resistances bench_series
     );
     loop {
         cortex_m::asm::nop();

@@ -81,7 +81,7 @@ fn constant(vehicle: &Vehicle) -> BatteryParams {
 fn reads_the_example_and_fills_in_what_may_be_left_out() {
     let cart = parse("x.toml", EXAMPLE.as_bytes()).unwrap();
     assert_eq!(cart.powertrain.auxiliary, AuxiliaryParams::NONE);
-    assert_eq!(cart.powertrain.converter, ConverterParams::IDEAL);
+    assert_eq!(cart.powertrain.drives.converter, ConverterParams::IDEAL);
     assert_eq!(constant(&cart).polarisation.capacitance_f.to_bits(), 1000_f32.to_bits());
     let windows = EXAMPLE.replace('\n', "\r\n");
     assert_eq!(parse("x.toml", format!("\u{feff}{windows}").as_bytes()).unwrap(), cart);
@@ -371,6 +371,9 @@ fn a_name_that_is_not_known() {
     let error = load("bmw-i3-60").unwrap_err().to_string();
     assert_eq!(error, format!("bmw-i3-60: no such vehicle; did you mean `bmw-i3-60ah`? {list}"));
     assert_eq!(load("tank").unwrap_err().to_string(), format!("tank: no such vehicle {list}"));
+    let battery = concat!(env!("CARGO_MANIFEST_DIR"), "/data/batteries/bmw-i3-60ah.toml");
+    let error = load(battery).unwrap_err();
+    assert!(error.message.starts_with("this is a battery; expected a vehicle"), "{error}");
     let error = load("nowhere.toml").unwrap_err().to_string();
     assert!(error.starts_with("nowhere.toml: cannot read: "), "{error}");
     assert!(load("nowhere/").unwrap_err().message.starts_with("cannot read: "));

@@ -36,13 +36,13 @@ pub fn vehicle(
             Ok(drive.along(&Powertrain::new(params.with_battery(battery), dt)?)?.0)
         }
         (VehicleBattery::Constant(battery), true) => {
-            drive.with_ledger(&Powertrain::with_ledger(params.with_battery(battery), dt)?)
+            drive.with_ledger(&Powertrain::new(params.with_battery(battery), dt)?.with_ledger())
         }
         (VehicleBattery::Mapped(battery), false) => {
-            Ok(drive.along(&Powertrain::mapped(params.with_battery(battery), dt)?)?.0)
+            Ok(drive.along(&params.with_battery(battery).build(dt)?)?.0)
         }
         (VehicleBattery::Mapped(battery), true) => {
-            drive.with_ledger(&Powertrain::mapped_with_ledger(params.with_battery(battery), dt)?)
+            drive.with_ledger(&params.with_battery(battery).build(dt)?.with_ledger())
         }
     }
 }
@@ -200,17 +200,17 @@ impl<L: Book, S: Copy> Loop<L, S> {
             );
             feedback = Feedback::from(&out);
             energy_w += out.battery_v * out.battery_a;
-            widen(&mut totals.motor_torque_nm, out.motor_nm);
+            widen(&mut totals.motor_torque_nm, out.drives.motor_nm);
             widen(&mut totals.battery_current_a, out.battery_a);
             totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, out.battery_v);
             totals.limited_steps += u64::from(feedback.limited);
             sound &= !out.rejected;
             kept.speed_m_s = out.speed_m_s;
             kept.distance_m = out.distance_m;
-            kept.duty = out.duty;
-            kept.motor_torque_nm = out.motor_nm;
+            kept.duty = out.drives.duty;
+            kept.motor_torque_nm = out.drives.motor_nm;
             kept.brake_n = command.brake_n;
-            kept.motor_current_a = out.motor_a;
+            kept.motor_current_a = out.drives.motor_a;
             kept.battery_current_a = out.battery_a;
             kept.battery_voltage_v = out.battery_v;
             kept.soc = out.soc;

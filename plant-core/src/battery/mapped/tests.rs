@@ -2,7 +2,7 @@ extern crate std;
 use super::*;
 use crate::battery::{
     Battery, BatteryInput, BatteryParams, BatteryState, BranchMap, HysteresisParams,
-    IdentifiedRange, OverSoc, Pack, RcBranchParams, ResistanceMap, ThermalParams,
+    IdentifiedRange, OverSoc, Pack, RcBranchParams, ResistanceMap, ThermalParams, VoltageLimits,
 };
 use crate::num::SocTable;
 
@@ -13,6 +13,7 @@ const PLAIN: BatteryParams = BatteryParams {
     polarisation: RcBranchParams { resistance_ohm: 0.02, capacitance_f: 500.0 },
     discharge_limit_a: 10.0,
     charge_limit_a: 3.0,
+    voltage_limits: VoltageLimits::NONE,
 };
 
 /// The same battery, as a map.
@@ -20,6 +21,7 @@ const SAME: MappedBatteryParams = MappedBatteryParams {
     capacity_ah: 3.0,
     discharge_limit_a: 10.0,
     charge_limit_a: 3.0,
+    voltage_limits: VoltageLimits::NONE,
     refresh_s: 1.0,
     open_circuit: PLAIN.open_circuit,
     hysteresis: HysteresisParams::NONE,
@@ -403,5 +405,33 @@ fn what_it_allows_are_its_limits() {
         let mut s = map.rested(soc).unwrap();
         map.settle(&mut s, current_a);
         assert_eq!(s.soc, Accum::new(end));
+    }
+}
+
+/// The voltage in it is that of the step's own source: hysteresis and branches as they were.
+#[test]
+fn voltages_limit_the_current() {
+    let voltage_limits = VoltageLimits { lowest_v: 3.3, highest_v: 3.9 };
+    let hysteresis = HysteresisParams { half_gap_v: 0.05, rate_per_soc: 1e4 };
+    let params = MappedBatteryParams { voltage_limits, hysteresis, ..SAME };
+    let params = MappedBatteryParams { discharge_limit_a: 100.0, charge_limit_a: 100.0, ..params };
+    let map = mapped(params, 0.1);
+    for h in [-0.8, 0.6] {
+        let mut s = map.rested(0.5).unwrap();
+        s.hysteresis = Accum::new(h);
+        s.polarisation_v = [Accum::new(0.03), Accum::new(-0.02)];
+        let faded = map.faded(&s);
+        assert!(faded.discharge_a < 20.0 && faded.charge_a < 20.0, "{faded:?}");
+        for current_a in [faded.discharge_a, -faded.charge_a] {
+            for (share, allowed) in [(0.5, true), (0.999, true), (1.001, false), (1.5, false)] {
+                let current_a = share * current_a;
+                let next = map.next(&s, current_a);
+                assert_eq!(map.allows(current_a, current_a, &next), allowed, "{h} {share}");
+            }
+            let out = map.step(&mut s.clone(), MappedBatteryInput { current_a: 2.0 * current_a });
+            let end_v = if current_a > 0.0 { 3.3 } else { 3.9 };
+            assert!((out.terminal_v - end_v).abs() < 1e-5, "{out:?}");
+            assert!((out.current_a - current_a).abs() < 1e-4 * current_a.abs(), "{out:?}");
+        }
     }
 }

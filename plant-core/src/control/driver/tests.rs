@@ -62,9 +62,13 @@ fn both_drivers_follow_a_ramp_and_hold_a_speed() {
 fn peak_torque_and_power_limit_the_acceleration() {
     let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
     let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 0.0, 1000, |_| 50.0);
-    assert!((run.last.motor_nm / p.peak_torque_nm - 1.0).abs() < 0.02, "{}", run.last.motor_nm);
+    assert!(
+        (run.last.drives.motor_nm / p.peak_torque_nm - 1.0).abs() < 0.02,
+        "{}",
+        run.last.drives.motor_nm
+    );
     let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 0.0, 8000, |_| 50.0);
-    let power_w = run.last.motor_nm * run.last.motor_rad_s;
+    let power_w = run.last.drives.motor_nm * run.last.drives.motor_rad_s;
     assert!((power_w / p.peak_power_w - 1.0).abs() < 0.02, "{power_w}");
 }
 
@@ -87,7 +91,7 @@ fn holds_at_standstill_with_the_brake() {
     let run = drive(&BMW_I3_60AH_CONSTANT, 0.8, 5.0, 8000, |t| max(5.0 - 2.0 * t, 0.0));
     let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
     assert_eq!((run.last.speed_m_s, run.brake_n), (0.0, p.brake_limit_n));
-    assert!(run.last.motor_a.abs() < 0.1, "{}", run.last.motor_a);
+    assert!(run.last.drives.motor_a.abs() < 0.1, "{}", run.last.drives.motor_a);
 }
 
 #[test]
@@ -153,17 +157,19 @@ fn refuses_each_bad_field_by_name() {
 /// One decision of a fresh torque driver against its rules, written once more.
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
+#[allow(clippy::too_many_lines, reason = "one rule after the other")]
 fn a_decision_follows_the_rules() {
     let DriverParams::Torque(p) = BMW_I3_60AH_CONSTANT.driver else { panic!("a torque driver") };
     let car = BMW_I3_60AH_CONSTANT.powertrain;
-    let driver = TorqueDriver::new(p, &car, DT).unwrap();
-    let turns = car.gearbox.ratio / car.wheel.radius_m;
+    let driver = Driver::new(DriverParams::Torque(p), &car, DT).unwrap();
+    let Driver::Torque(torque, _) = driver else { panic!("a torque driver") };
+    let turns = car.drives.gearbox.ratio / car.wheel.radius_m;
     let mass_kg = car.body.mass_kg
         + car.wheel.inertia_kg_m2 / car.wheel.radius_m.powi(2)
-        + (car.motor.inertia_kg_m2 + car.gearbox.inertia_kg_m2) * turns * turns;
+        + (car.drives.motor.inertia_kg_m2 + car.drives.gearbox.inertia_kg_m2) * turns * turns;
     let gain_ohm =
-        car.motor.inductance_h * p.current_rate_per_s / (1.0 + 0.001 * p.current_rate_per_s);
-    let ohm = gain_ohm + car.motor.resistance_ohm + car.converter.resistance_ohm;
+        car.drives.motor.inductance_h * p.current_rate_per_s / (1.0 + 0.001 * p.current_rate_per_s);
+    let ohm = gain_ohm + car.drives.motor.resistance_ohm + car.drives.converter.resistance_ohm;
     let mut seed = 1_u32;
     let mut number = || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -175,9 +181,11 @@ fn a_decision_follows_the_rules() {
         let v = if n % 50 == 0 { 0.0 } else { small * (10.0 + 30.0 * number()) };
         let reference_m_s2 = small * 2.0 * number();
         let reference_m_s = v + small * number() * if n % 3 == 0 { 3.0 } else { 0.2 };
+        let motor_a = 300.0 * number();
         let vehicle = Feedback {
             speed_m_s: v,
-            motor_a: 300.0 * number(),
+            motor_a,
+            motor_nm: car.drives.motor.torque_nm_per_a * motor_a,
             battery_v: if n % 100 == 0 { 0.5 } else { 350.0 },
             soc: (0.8 + 0.4 * number()).clamp(0.0, 1.0),
             duty: 0.1,
@@ -204,7 +212,7 @@ fn a_decision_follows_the_rules() {
             given_nm = given_nm.min(wanted_nm).max(-p.peak_torque_nm);
         }
         let mut short_n = (given_nm - wanted_nm) * turns;
-        let motor_nm = direction * car.motor.torque_nm_per_a * vehicle.motor_a;
+        let motor_nm = direction * car.drives.motor.torque_nm_per_a * vehicle.motor_a;
         if vehicle.limited && wanted_nm < 0.0 {
             // What the motor was to brake with and the battery did not take.
             short_n += (motor_nm - given_nm).max(0.0) * turns;
@@ -222,10 +230,10 @@ fn a_decision_follows_the_rules() {
         if slow && brake_n > 0.0 {
             ahead_m_s = v;
         }
-        let voltage_v = ohm / car.motor.torque_nm_per_a * direction * given_nm
-            + car.motor.back_emf_v_s_per_rad * turns * ahead_m_s
+        let voltage_v = ohm / car.drives.motor.torque_nm_per_a * direction * given_nm
+            + car.drives.motor.back_emf_v_s_per_rad * turns * ahead_m_s
             - gain_ohm * i
-            + car.converter.voltage_drop_v
+            + car.drives.converter.voltage_drop_v
                 * direction
                 * given_nm.signum()
                 * Real::from(given_nm != 0.0);
@@ -243,10 +251,10 @@ fn a_decision_follows_the_rules() {
             let excess = if short_n < 0.0 { direction } else { -direction };
             let held_back = short_n < 0.0 || short_n > p.brake_limit_n;
             let mut told = DriverState::default();
-            driver
+            torque
                 .speed
                 .step(&mut told.speed, PidInput { reference: reference_m_s, measurement: v });
-            driver.speed.saturate(&mut told.speed, if held_back { excess } else { 0.0 });
+            torque.speed.saturate(&mut told.speed, if held_back { excess } else { 0.0 });
             assert_eq!(state.speed, told.speed, "{n}: short of {short_n} N");
         }
         seen[0] += u32::from(given_nm == most_nm);
@@ -286,8 +294,11 @@ fn a_driver_sees_what_the_plant_says() {
         let out = plant.step(&mut state, PowertrainInput::on(duty));
         let seen = Feedback::from(&out);
         assert_eq!(seen.limited, out.limited != Limited::No);
-        assert_eq!((seen.speed_m_s, seen.motor_a, seen.soc), (out.speed_m_s, out.motor_a, out.soc));
-        assert_eq!((seen.battery_v, seen.duty), (out.battery_v, out.duty));
+        assert_eq!(
+            (seen.speed_m_s, seen.motor_a, seen.soc),
+            (out.speed_m_s, out.drives.motor_a, out.soc)
+        );
+        assert_eq!((seen.battery_v, seen.duty), (out.battery_v, out.drives.duty));
         assert!(n >= 50 || !seen.limited);
         limited |= seen.limited;
     }

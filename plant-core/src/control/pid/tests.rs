@@ -143,19 +143,19 @@ fn what_would_cancel_is_refused() {
 fn a_frozen_one_does_not_look_further_down_the_loop() {
     for (anti_windup, runs) in [(AntiWindup::Freeze, true), (AntiWindup::Directional, false)] {
         let p = pid(PidParams { anti_windup, ..LIMITED });
-        for way in 0..3 {
+        for case in 0..3 {
             let mut s = PidState::default();
             p.step(&mut s, error(0.2));
             let before = s.integral();
-            match way {
+            match case {
                 0 => p.feed_back(&mut s, 0.1),
                 1 => p.saturate(&mut s, 1.0),
                 _ => _ = p.step_fed_back(&mut s, error(0.2), 0.1, true),
             }
-            if way < 2 {
+            if case < 2 {
                 p.step(&mut s, error(0.2));
             }
-            assert_eq!(s.integral() > before, runs, "{anti_windup:?} {way}");
+            assert_eq!(s.integral() > before, runs, "{anti_windup:?} {case}");
         }
     }
 }

@@ -44,6 +44,7 @@ fn a_linear_machine_is_what_its_two_inductances_say() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn within_its_outer_cells_a_map_is_exact_for_parabolas_and_its_slopes_are_theirs() {
     let flux = Flux::Map(map(quadratic)).checked().unwrap();
     for n in 0..200_u16 {

@@ -91,6 +91,7 @@ fn a_warm_winding_resists_more() {
 
 /// Any step against the equations at its end, in double precision.
 #[test]
+#[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn every_step_keeps_the_equations_and_its_power() {
     let mut number = numbers();
     let double = |v: Dq| (f64::from(v.d), f64::from(v.q));

@@ -19,7 +19,7 @@ pub struct DqWinding {
     per_h: Real,
     /// An inductance that turns with the frame without doing work.
     mean_h: Real,
-    /// Electrical angle per unit of way: the pole pairs.
+    /// Electrical angle per angle of the shaft: the pole pairs.
     pole_pairs: Real,
     /// Torque of the iron loss per speed and square of the flux.
     iron: Real,
@@ -43,6 +43,8 @@ pub struct DqLaw {
     pub iron_nm_s_per_rad: Real,
     /// Resistance of one phase \[Ω\].
     pub resistance_ohm: Real,
+    /// Flux linkage at the start \[Wb\].
+    pub flux_wb: Dq,
     /// The currents lie beyond the flux map.
     pub beyond_map: bool,
     /// `Z` by rows \[Ω\], and one over its determinant.
@@ -130,6 +132,13 @@ impl DqLaw {
             - increment_a.turned() * self.turning_ohm
     }
 
+    /// What each axis' own inductance takes over one step \[Ω\].
+    #[inline]
+    pub(crate) const fn inductance_ohm(&self) -> Dq {
+        let [d, q] = self.impedance;
+        Dq { d: d.d - self.resistance_ohm, q: q.q - self.resistance_ohm }
+    }
+
     /// The torque at the currents that a step ends with \[N·m\].
     #[inline]
     #[must_use]
@@ -164,13 +173,19 @@ impl DqWinding {
         Self { pole_pairs: self.pole_pairs * ratio, iron: self.iron * (ratio * ratio), ..self }
     }
 
+    /// One over the step \[1/s\].
+    #[inline]
+    pub(crate) const fn per_h(&self) -> Real {
+        self.per_h
+    }
+
     /// Its flux linkage over the currents.
     #[must_use]
     pub const fn flux(&self) -> &Flux {
         &self.flux
     }
 
-    /// Electrical angle per unit of way: the pole pairs at the shaft.
+    /// Electrical angle per unit of speed: the pole pairs at the shaft.
     #[must_use]
     pub const fn pole_pairs(&self) -> Real {
         self.pole_pairs
@@ -199,6 +214,7 @@ impl DqWinding {
             back_emf_v_s_per_rad: (flux_wb - current_a * self.mean_h).turned() * self.pole_pairs,
             iron_nm_s_per_rad: self.iron * flux_wb.dot(flux_wb),
             resistance_ohm: ohm,
+            flux_wb,
             beyond_map,
             impedance: [d, q],
             per_det: 1.0 / (d.d * q.q - d.q * q.d),

@@ -53,6 +53,34 @@ fn headwind_slows_and_tailwind_pushes() {
     assert!((at(-15.0) + c * 25.0).abs() < 0.1);
 }
 
+/// By physics and as measured: thin air takes the drag, cold tyres the rolling resistance.
+#[test]
+fn air_and_rolling_follow_their_factors() {
+    let coast_down = RoadResistance::CoastDown { a_n: 120.0, b_n_s_per_m: 2.0, c_n_s2_per_m2: 0.4 };
+    let c = 0.5 * 1.2 * 0.29 * 2.2;
+    for (resistance, rolling_n, viscous_n, drag_n) in [
+        (CAR.resistance, 0.009 * 1500.0 * 9.80665, 0.0, c * 400.0),
+        (coast_down, 120.0, 40.0, 160.0),
+    ] {
+        let b = body(BodyParams { resistance, ..CAR }, 1e-4);
+        for (air_density_factor, rolling_factor) in [(1.0, 1.0), (0.8, 1.0), (1.0, 1.5), (0.0, 0.0)]
+        {
+            let mut s = BodyState { speed_m_s: Accum::new(20.0), ..BodyState::default() };
+            let road = Road { air_density_factor, rolling_factor, ..Road::default() };
+            let out = b.step(&mut s, BodyInput { force_n: 0.0, road });
+            let air_n = air_density_factor * drag_n;
+            let sum_n = rolling_factor * rolling_n + viscous_n + air_n;
+            assert!((out.acceleration_m_s2 * 1500.0 + sum_n).abs() < 0.1, "{out:?} {sum_n}");
+            assert!((out.drag_n - air_n).abs() < 0.01, "{out:?}");
+        }
+        // A factor of rolling holds on a slope what would roll.
+        let road =
+            Road { rolling_factor: 2.0, ..uphill(100.0 * 1.5 * rolling_n / (1500.0 * 9.81)) };
+        let out = b.step(&mut BodyState::default(), BodyInput { force_n: 0.0, road });
+        assert_eq!((out.speed_m_s, out.slip), (0.0, Slip::Stuck));
+    }
+}
+
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn holds_on_a_slope_below_the_rolling_limit_and_rolls_above_it() {
@@ -101,6 +129,8 @@ fn bad_input_changes_nothing() {
         let roads = [
             Road { headwind_m_s: bad, ..Road::default() },
             Road { brake_n: bad, ..Road::default() },
+            Road { air_density_factor: bad, ..Road::default() },
+            Road { rolling_factor: bad, ..Road::default() },
             Road { grade: Grade { sin: bad, cos: 1.0 }, ..Road::default() },
             Road { grade: Grade { sin: 0.0, cos: bad }, ..Road::default() },
             Road { grade: Grade { sin: 5.0, cos: 1.0 }, ..Road::default() },
@@ -113,8 +143,13 @@ fn bad_input_changes_nothing() {
         }
         assert!(b.step(&mut s, BodyInput { force_n: bad, ..BodyInput::default() }).rejected);
     }
-    let road = Road { brake_n: -1.0, ..Road::default() };
-    assert!(b.step(&mut s, BodyInput { force_n: 0.0, road }).rejected);
+    for road in [
+        Road { brake_n: -1.0, ..Road::default() },
+        Road { air_density_factor: -0.1, ..Road::default() },
+        Road { rolling_factor: -0.1, ..Road::default() },
+    ] {
+        assert!(b.step(&mut s, BodyInput { force_n: 0.0, road }).rejected);
+    }
     assert_eq!(s, before);
 }
 

@@ -29,7 +29,7 @@ fn the_ledger_adds_the_flows_up_and_closes() {
         let v = f64::from(now.body.speed_m_s.get());
         let kinetic_j = 0.5 * s.mass_kg * (v * v - 144.0);
         assert!((kinetic_j - f64::from(report.kinetic)).abs() < 1e-5 * kinetic_j.abs() + 0.1);
-        let i = f64::from(now.current_a.get());
+        let i = f64::from(now.drives.get());
         balances(&[2e-4 * i * i, -f64::from(report.inductive)], "inductive");
         let rc = f64::from(now.battery.rc.voltage_v.get());
         balances(&[rc * rc, -f64::from(report.capacitive)], "capacitive");
@@ -43,8 +43,8 @@ fn the_ledger_adds_the_flows_up_and_closes() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn a_plant_on_a_battery_with_maps_closes_its_ledger() {
     let params = FULL.with_battery(crate::presets::BMW_I3_60AH_PACK);
-    let plant = Powertrain::mapped_with_ledger(params, DT).unwrap();
-    let plain = Powertrain::mapped(params, DT).unwrap();
+    let plant = params.build(DT).unwrap().with_ledger();
+    let plain = params.build(DT).unwrap();
     let start = plant.at_speed(0.7, 12.0).unwrap();
     let (mut now, mut other) = (start, plain.at_speed(0.7, 12.0).unwrap());
     for (_, input) in cases(&self::plant(FULL)) {

@@ -14,7 +14,7 @@ struct Seen {
 }
 
 fn run(params: PowertrainParams, dt_s: Real, speed_m_s: Real, input: PowertrainInput) -> Seen {
-    let plant = Powertrain::with_ledger(params, Dt::from_s(dt_s).unwrap()).unwrap();
+    let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap().with_ledger();
     let mut s = plant.at_speed(0.8, speed_m_s).unwrap();
     let start = s;
     let steps = (0.5 / dt_s).min(2e5) as u32;
@@ -26,7 +26,7 @@ fn run(params: PowertrainParams, dt_s: Real, speed_m_s: Real, input: PowertrainI
         if n > steps / 5 {
             lowest_a = Real::min(lowest_a, out.battery_a);
             highest_a = Real::max(highest_a, out.battery_a);
-            jumps += u32::from((out.duty - last.duty).abs() > 0.01);
+            jumps += u32::from((out.drives.duty - last.drives.duty).abs() > 0.01);
         }
         last = out;
     }
@@ -40,7 +40,8 @@ fn with_limits(
     charge_a: Real,
 ) -> PowertrainParams {
     (params.battery.discharge_limit_a, params.battery.charge_limit_a) = (discharge_a, charge_a);
-    (params.converter.duty_limit, params.converter.current_limit_a) = (1.0, Real::INFINITY);
+    (params.drives.converter.duty_limit, params.drives.converter.current_limit_a) =
+        (1.0, Real::INFINITY);
     params
 }
 
@@ -90,7 +91,9 @@ fn a_duty_beyond_any_use_draws_all_that_is_allowed() {
         for duty in [0.9, 20.0, 99.9, -99.9] {
             let seen = run(params, dt_s, 2.0, PowertrainInput::on(duty));
             assert!(seen.lowest_a > 399.0 && seen.highest_a < 401.0, "{dt_s} {duty}");
-            assert!(seen.last.limited == Limited::Discharge && seen.last.motor_a * duty > 0.0);
+            assert!(
+                seen.last.limited == Limited::Discharge && seen.last.drives.motor_a * duty > 0.0
+            );
         }
     }
 }
@@ -127,21 +130,27 @@ fn what_is_beyond_a_limit_that_falls_decays_and_is_reported() {
 fn gates_off_let_nothing_flow_unless_the_back_emf_exceeds_the_bus() {
     for dt_s in [1e-5, 1e-3, 2e-2] {
         let seen = run(BMW_I3_60AH_CONSTANT.powertrain, dt_s, 30.0, PowertrainInput::default());
-        assert_eq!((seen.last.motor_a, seen.last.duty, seen.last.limited), (0.0, 0.0, Limited::No));
+        assert_eq!(
+            (seen.last.drives.motor_a, seen.last.drives.duty, seen.last.limited),
+            (0.0, 0.0, Limited::No)
+        );
         assert!(seen.lowest_a > 0.0 && seen.highest_a < 2.0, "the auxiliary load");
         // 60 m/s of 49: the diodes charge the battery, as one with duty 1 would.
         let params = with_limits(BMW_I3_60AH_CONSTANT.powertrain, 1e4, 1e4);
         let diodes = run(params, dt_s, 60.0, PowertrainInput::default());
         let rectified = run(params, dt_s, 60.0, PowertrainInput::on(1.0));
         let (a, b) = (diodes.last, rectified.last);
-        assert!(a.motor_a < -100.0 && a.duty == 1.0, "{a:?}");
-        assert!((a.motor_a - b.motor_a).abs() < 1e-3 * b.motor_a.abs(), "{a:?} {b:?}");
+        assert!(a.drives.motor_a < -100.0 && a.drives.duty == 1.0, "{a:?}");
+        assert!(
+            (a.drives.motor_a - b.drives.motor_a).abs() < 1e-3 * b.drives.motor_a.abs(),
+            "{a:?} {b:?}"
+        );
     }
     // A current that flows when the gates go off ends, and with it the torque.
     let plant = Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, DT).unwrap();
     let mut s = plant.at_speed(0.8, 10.0).unwrap();
-    assert!(plant.step(&mut s, PowertrainInput::on(0.4)).motor_a > 100.0);
-    assert_eq!(plant.step(&mut s, PowertrainInput::default()).motor_a, 0.0);
+    assert!(plant.step(&mut s, PowertrainInput::on(0.4)).drives.motor_a > 100.0);
+    assert_eq!(plant.step(&mut s, PowertrainInput::default()).drives.motor_a, 0.0);
 }
 
 /// A duty of 0 is a shorted winding.
@@ -151,14 +160,14 @@ fn a_winding_keeps_the_current_limit_of_its_converter() {
     for dt_s in [1e-6, 1e-4, 1e-2] {
         let mut params =
             with_limits(BMW_I3_60AH_CONSTANT.powertrain, Real::INFINITY, Real::INFINITY);
-        params.converter.current_limit_a = 1000.0;
+        params.drives.converter.current_limit_a = 1000.0;
         let plant = Powertrain::new(params, Dt::from_s(dt_s).unwrap()).unwrap();
         for duty in [0.0, 1.0] {
             let mut s = plant.at_speed(0.8, 30.0).unwrap();
             let mut acted = 0;
             for _ in 0..(0.05 / dt_s) as u32 {
                 let out = plant.step(&mut s, PowertrainInput::on(duty));
-                assert!(out.motor_a.abs() <= 1000.1, "{dt_s} {duty}: {out:?}");
+                assert!(out.drives.motor_a.abs() <= 1000.1, "{dt_s} {duty}: {out:?}");
                 acted += u32::from(out.limited == Limited::Current);
             }
             assert!(acted > 0, "{dt_s} {duty}");
@@ -190,9 +199,9 @@ fn a_drive_that_charges_feeds_the_auxiliary_load() {
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn what_a_full_battery_is_forced_to_take_has_a_name() {
     for dt_s in [1e-3, 1e-4] {
-        let plant =
-            Powertrain::with_ledger(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap())
-                .unwrap();
+        let plant = Powertrain::new(BMW_I3_60AH_CONSTANT.powertrain, Dt::from_s(dt_s).unwrap())
+            .unwrap()
+            .with_ledger();
         let mut s = plant.at_speed(1.0, 55.0).unwrap();
         let road = Road { grade: Grade::from_sin(-0.1), ..Road::default() };
         let (start, mut into_c, mut overcharged_c) = (s, 0.0, 0.0);
@@ -247,10 +256,10 @@ fn the_drop_of_the_converter_does_not_keep_a_current_from_growing() {
         for _ in 0..(0.03 / dt_s).round() as u32 {
             plant.step(&mut s, PowertrainInput::on(0.01));
         }
-        let a = s.current_a.get();
+        let a = s.drives.get();
         assert!((a / 427.8 - 1.0).abs() < within, "{dt_s}: {a}");
         // Within the drop nothing flows at all.
         let mut s = plant.at_rest(0.8).unwrap();
-        assert_eq!(plant.step(&mut s, PowertrainInput::on(0.002)).motor_a, 0.0);
+        assert_eq!(plant.step(&mut s, PowertrainInput::on(0.002)).drives.motor_a, 0.0);
     }
 }

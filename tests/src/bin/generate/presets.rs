@@ -14,7 +14,7 @@ const HEADER: &str = "\
 
 use crate::battery::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OpenCircuit, OverSoc,
-    ResistanceMap, ThermalParams,
+    ResistanceMap, ThermalParams, VoltageLimits,
 };
 use crate::must;
 use crate::num::SocTable;
@@ -59,8 +59,9 @@ fn battery(text: &mut String, battery: &Table) {
     write!(
         text,
         "MappedBatteryParams {{ {}, open_circuit: OpenCircuit::Table({ocv}), \
-         hysteresis: HysteresisParams::NONE, ",
-        numbers(battery, &keys)
+         hysteresis: HysteresisParams::NONE, voltage_limits: {}, ",
+        numbers(battery, &keys),
+        voltage_limits(battery)
     )
     .unwrap();
     for (key, kind, keys) in [
@@ -82,6 +83,14 @@ fn battery(text: &mut String, battery: &Table) {
     let keys = ["soc_min", "soc_max", "temperature_min_c", "temperature_max_c"];
     let range = numbers(part("identified"), &keys);
     write!(text, "thermal: {thermal}, identified: IdentifiedRange {{ {range} }} }}").unwrap();
+}
+
+fn voltage_limits(battery: &Table) -> String {
+    let Some(Value::Table(limits)) = battery.get("voltage_limits") else {
+        return "VoltageLimits::NONE".to_owned();
+    };
+    let fields = limits.iter().map(|(key, value)| format!("{key}: {}, ", number(value)));
+    format!("VoltageLimits {{ {}..VoltageLimits::NONE }}", fields.collect::<String>())
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a short number")]

@@ -41,7 +41,7 @@ pub enum Kind {
     Stale,
     /// The ammeter shows nothing.
     Dead,
-    /// The ammeter is mounted the wrong way round.
+    /// The ammeter is mounted in the wrong direction.
     Reversed,
     /// The ammeter shows the same all the time.
     Stuck,

@@ -35,12 +35,12 @@ fn drive_for(
         let command =
             driver.step(&mut d, DriverInput { reference_m_s, reference_m_s2, vehicle: seen });
         let grade = Grade::from_sin(slope_sin);
-        let road = Road { grade, brake_n: command.brake_n, headwind_m_s: 0.0 };
+        let road = Road { grade, brake_n: command.brake_n, ..Road::default() };
         let out = plant.step(&mut s, PowertrainInput { road, ..PowertrainInput::on(command.duty) });
         assert!(!out.rejected && !command.rejected);
         seen = Feedback::from(&out);
-        drive.most_nm = drive.most_nm.max(out.motor_nm);
-        drive.least_nm = drive.least_nm.min(out.motor_nm);
+        drive.most_nm = drive.most_nm.max(out.drives.motor_nm);
+        drive.least_nm = drive.least_nm.min(out.drives.motor_nm);
         if drive.to_100_s == 0.0 && out.speed_m_s > 27.78 {
             drive.to_100_s = t;
         }
