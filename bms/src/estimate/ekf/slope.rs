@@ -10,7 +10,8 @@ const SHORTEST_CHORD: Real = 1e-3;
 /// The slope is taken anew after a move by this many of the standard deviations it was taken with.
 /// Chosen: within that the least slope over three of them is nearly the same.
 const HELD_SDS: Real = 0.25;
-/// A slope that falls makes the state of charge at most so much less sure at a time. Chosen.
+/// A slope that falls makes the state of charge at most so much less sure at a time. Chosen: over
+/// half a standard deviation's move no curve's slope falls further but at a knee, which is passed.
 const MOST_LESS: Real = 2.0;
 /// Places that are weighed where the battery has left the flat part, and how far around, in standard
 /// deviations and in charge. Chosen: of half of all charge they are closer than the curve's points.
