@@ -214,9 +214,7 @@ impl Kind {
             (Chemistry::Flat, Self::Clean | Self::Drawn | Self::Dropouts | Self::Quantised) => {
                 Bound { sd: 0.14, ..bound }
             }
-            // A current that nobody sees moves the battery off its plateau: that is told.
-            (Chemistry::Flat, Self::Drain) => Bound { sd: 0.26, flagged: 0.1, ..bound },
-            (Chemistry::Flat, Self::Rest | Self::Reset) => Bound { sd: 0.3, ..bound },
+            (Chemistry::Flat, Self::Drain | Self::Rest | Self::Reset) => Bound { sd: 0.2, ..bound },
             // Four times the error, 36 mV, is more than the whole plateau rises: there the voltage has
             // nothing to tell it from the state of charge.
             (Chemistry::Flat, Self::WrongCurve) => Bound { silent: 0.2, ..bound },
