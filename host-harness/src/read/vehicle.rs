@@ -12,13 +12,14 @@ use std::path::Path;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, MappedBatteryParams};
-use plant_core::control::driver::{Driver, DriverParams};
+use plant_core::control::driver::{Driver, DriverParams, TorqueDriver};
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::DcMotorParams;
+use plant_core::machine::pmsm::PmsmParams;
 use plant_core::mechanics::body::BodyParams;
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{DriveParams, PowertrainParams};
+use plant_core::powertrain::{DriveParams, PackParams, PowertrainParams};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
@@ -39,8 +40,10 @@ const BUILT_IN: BuiltIn = BuiltIn {
             "bmw-i3-60ah-epowertrain",
             include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml"),
         ),
+        ("bmw-i3-60ah-pmsm", include_str!("../../data/vehicles/bmw-i3-60ah-pmsm.toml")),
         ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
         ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
+        ("two-axles", include_str!("../../data/vehicles/two-axles.toml")),
     ],
 };
 
@@ -65,6 +68,70 @@ impl VehicleBattery {
     }
 }
 
+/// A drive, whichever machine it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "four per vehicle")]
+pub enum DriveKind {
+    /// A DC machine.
+    Dc(DriveParams),
+    /// A permanent-magnet synchronous machine.
+    Pmsm(DriveParams<PmsmParams>),
+}
+
+/// The most drives that a file may describe.
+pub const MOST_DRIVES: usize = 4;
+
+/// The drives of a vehicle, at least one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehicleDrives([Option<DriveKind>; MOST_DRIVES]);
+
+impl VehicleDrives {
+    /// In their order; those that are there come first.
+    #[must_use]
+    pub const fn as_slice(&self) -> &[Option<DriveKind>; MOST_DRIVES] {
+        &self.0
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.iter().flatten().count()
+    }
+
+    /// The one of a vehicle that has one, with a DC machine.
+    #[must_use]
+    pub const fn one_dc(&self) -> Option<&DriveParams> {
+        match &self.0 {
+            [Some(DriveKind::Dc(drive)), None, ..] => Some(drive),
+            _ => None,
+        }
+    }
+}
+
+impl From<(DriveParams<PmsmParams>, DriveParams)> for VehicleDrives {
+    fn from((one, two): (DriveParams<PmsmParams>, DriveParams)) -> Self {
+        Self([Some(DriveKind::Pmsm(one)), Some(DriveKind::Dc(two)), None, None])
+    }
+}
+
+impl From<DriveParams<PmsmParams>> for VehicleDrives {
+    fn from(drive: DriveParams<PmsmParams>) -> Self {
+        Self::from(DriveKind::Pmsm(drive))
+    }
+}
+
+impl From<DriveParams> for VehicleDrives {
+    fn from(drive: DriveParams) -> Self {
+        Self::from(DriveKind::Dc(drive))
+    }
+}
+
+impl From<DriveKind> for VehicleDrives {
+    fn from(drive: DriveKind) -> Self {
+        Self([Some(drive), None, None, None])
+    }
+}
+
 /// A vehicle with its driver; its parameters are sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vehicle {
@@ -77,7 +144,7 @@ pub struct Vehicle {
     /// State of charge at the start of a cycle, 0..1.
     pub initial_soc: f32,
     /// The plant.
-    pub powertrain: PowertrainParams<VehicleBattery>,
+    pub powertrain: PowertrainParams<VehicleBattery, VehicleDrives>,
     /// Who drives it.
     pub driver: DriverParams,
 }
@@ -93,13 +160,49 @@ struct VehicleFile {
     battery: BatteryField,
     #[serde(default)]
     auxiliary: AuxiliaryParams,
+    converter: Option<ConverterParams>,
+    motor: Option<DcMotorParams>,
+    pmsm: Option<PmsmParams>,
+    gearbox: Option<GearboxParams>,
     #[serde(default)]
-    converter: ConverterParams,
-    motor: DcMotorParams,
-    gearbox: GearboxParams,
+    drive: Vec<DriveTable>,
     wheel: WheelParams,
     body: BodyParams,
     driver: DriverParams,
+}
+
+/// One of several drives as a file lays it out.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DriveTable {
+    #[serde(default)]
+    converter: ConverterParams,
+    motor: Option<DcMotorParams>,
+    pmsm: Option<PmsmParams>,
+    gearbox: GearboxParams,
+    torque_rate_per_s: Option<f32>,
+    torque_share: Option<f32>,
+}
+
+impl DriveTable {
+    /// The drive, or what is wrong with its machine.
+    fn kind(self) -> Result<DriveKind, &'static str> {
+        fn with<M>(table: &DriveTable, motor: M) -> DriveParams<M> {
+            let params = DriveParams::new(motor, table.gearbox);
+            DriveParams {
+                converter: table.converter,
+                torque_rate_per_s: table.torque_rate_per_s.unwrap_or(params.torque_rate_per_s),
+                torque_share: table.torque_share.unwrap_or(params.torque_share),
+                ..params
+            }
+        }
+        match (self.motor, &self.pmsm) {
+            (Some(motor), None) => Ok(DriveKind::Dc(with(&self, motor))),
+            (None, Some(pmsm)) => Ok(DriveKind::Pmsm(with(&self, *pmsm))),
+            (None, None) => Err("missing: a table `motor` (DC machine) or `pmsm`"),
+            (Some(_), Some(_)) => Err("has a `motor` and a `pmsm`: one of both"),
+        }
+    }
 }
 
 /// Which battery a vehicle's file says it has.
@@ -162,10 +265,11 @@ pub fn load(name_or_path: &str) -> Result<Vehicle, InputError> {
 /// [`InputError`] says what is wrong and where.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     let document = Document::parse(file, bytes)?;
-    let content = document.read::<VehicleFile>()?;
+    let mut content = document.read::<VehicleFile>()?;
     if !(0.0..=1.0).contains(&content.initial_soc) {
         return Err(document.refusal("initial_soc", "must lie in 0..1"));
     }
+    let drives = drives(&document, &mut content)?;
     let vehicle = Vehicle {
         name: content.name,
         description: content.description,
@@ -174,10 +278,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         powertrain: PowertrainParams {
             battery: chosen(&document, file, content.battery)?,
             auxiliary: content.auxiliary,
-            drives: DriveParams {
-                converter: content.converter,
-                ..DriveParams::new(content.motor, content.gearbox)
-            },
+            drives,
             wheel: content.wheel,
             body: content.body,
         },
@@ -188,6 +289,45 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         document.refusal(&field, error.message())
     })?;
     Ok(vehicle)
+}
+
+/// The drives that a vehicle's file describes: one at the top, or a list.
+fn drives(document: &Document<'_>, content: &mut VehicleFile) -> Result<VehicleDrives, InputError> {
+    let tops = [
+        ("converter", content.converter.is_some()),
+        ("motor", content.motor.is_some()),
+        ("pmsm", content.pmsm.is_some()),
+        ("gearbox", content.gearbox.is_some()),
+    ];
+    let mut tables = std::mem::take(&mut content.drive);
+    let several = !tables.is_empty();
+    if several {
+        if let Some((key, _)) = tops.iter().find(|(_, there)| *there) {
+            return Err(document.refusal(key, "belongs into each of the tables [[drive]]"));
+        }
+    } else {
+        let Some(gearbox) = content.gearbox else {
+            return Err(document.refusal("gearbox", "missing, and no table [[drive]] either"));
+        };
+        tables.push(DriveTable {
+            converter: content.converter.unwrap_or_default(),
+            motor: content.motor,
+            pmsm: content.pmsm,
+            gearbox,
+            torque_rate_per_s: None,
+            torque_share: None,
+        });
+    }
+    if tables.len() > MOST_DRIVES {
+        return Err(document.refusal("drive", &format!("at most {MOST_DRIVES} of them")));
+    }
+    let mut found = [None; MOST_DRIVES];
+    for (place, table) in found.iter_mut().zip(tables) {
+        let kind = table.kind();
+        let at = if several { "drive" } else { "motor" };
+        *place = Some(kind.map_err(|what| document.refusal(at, what))?);
+    }
+    Ok(VehicleDrives(found))
 }
 
 /// The battery that a vehicle's file says it has.
@@ -215,15 +355,29 @@ fn chosen(
 fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
     let plant = vehicle.powertrain;
     match plant.battery {
-        VehicleBattery::Constant(battery) => {
-            plant.with_battery(battery).build(CHECK_DT)?;
-        }
-        VehicleBattery::Mapped(battery) => {
-            plant.with_battery(battery).build(CHECK_DT)?;
+        VehicleBattery::Constant(battery) => check_with(vehicle, battery),
+        VehicleBattery::Mapped(battery) => check_with(vehicle, battery),
+    }
+}
+
+fn check_with(vehicle: &Vehicle, battery: impl PackParams) -> Result<(), ParamError> {
+    let plant = vehicle.powertrain.with_battery(battery);
+    for kind in plant.drives.as_slice().iter().flatten() {
+        match kind {
+            DriveKind::Dc(drive) => plant.with_drives(*drive).build(CHECK_DT).map(|_| ())?,
+            DriveKind::Pmsm(drive) => plant.with_drives(*drive).build(CHECK_DT).map(|_| ())?,
         }
     }
-    Driver::new(vehicle.driver, &plant, CHECK_DT)?;
-    Ok(())
+    match (plant.drives.one_dc(), vehicle.driver) {
+        (Some(drive), driver) => {
+            Driver::new(driver, &plant.with_drives(*drive), CHECK_DT).map(|_| ())
+        }
+        // It takes no more than these two; the plant's sizes do not matter to the check.
+        (None, DriverParams::Torque(driver)) => {
+            TorqueDriver::fitted(driver, 1.0, 1.0, 1.0, CHECK_DT).map(|_| ())
+        }
+        (None, DriverParams::Duty(_)) => Err(ParamError::OutOfRange("driver.duty")),
+    }
 }
 
 /// A controller does not know where it stands in the file.

@@ -102,6 +102,19 @@ impl<D: Copy> Axles<D> {
     }
 }
 
+impl<D> Axles<D> {
+    /// The same axles, their drives told apart otherwise, as where a file says which there are.
+    #[must_use]
+    pub fn map<E>(self, drives: impl FnOnce(D) -> E) -> Axles<E> {
+        Axles {
+            drives: drives(self.drives),
+            coast: self.coast,
+            has_gear_loss: self.has_gear_loss,
+            constant_loss_w: self.constant_loss_w,
+        }
+    }
+}
+
 /// What a drive is made of beside its machine.
 struct Chain {
     converter: ConverterParams,
@@ -352,7 +365,7 @@ pub trait Drives: Copy {
     fn output(&self, state: &Self::State, link: &Self::Link, speed_m_s: Real) -> Self::Output;
     /// All torques, as felt at the shaft of the first motor \[N·m\].
     fn torque_nm(&self, output: &Self::Output) -> Real;
-    /// See [`Machine::duty_and_current`]; of several drives, 0.
+    /// See [`Machine::duty_and_current`]; of several drives, those of the first.
     fn duty_and_current(output: &Self::Output) -> (Real, Real);
     /// See [`Machine::flows`].
     fn flows(
@@ -676,8 +689,8 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
     }
 
     #[inline(always)]
-    fn duty_and_current(_output: &Self::Output) -> (Real, Real) {
-        (0.0, 0.0)
+    fn duty_and_current(output: &Self::Output) -> (Real, Real) {
+        A::duty_and_current(&output.0)
     }
 
     #[inline(always)]

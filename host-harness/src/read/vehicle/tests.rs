@@ -81,7 +81,7 @@ fn constant(vehicle: &Vehicle) -> BatteryParams {
 fn reads_the_example_and_fills_in_what_may_be_left_out() {
     let cart = parse("x.toml", EXAMPLE.as_bytes()).unwrap();
     assert_eq!(cart.powertrain.auxiliary, AuxiliaryParams::NONE);
-    assert_eq!(cart.powertrain.drives.converter, ConverterParams::IDEAL);
+    assert_eq!(cart.powertrain.drives.one_dc().unwrap().converter, ConverterParams::IDEAL);
     assert_eq!(constant(&cart).polarisation.capacitance_f.to_bits(), 1000_f32.to_bits());
     let windows = EXAMPLE.replace('\n', "\r\n");
     assert_eq!(parse("x.toml", format!("\u{feff}{windows}").as_bytes()).unwrap(), cart);

@@ -358,8 +358,8 @@ impl Machine for PmsmDrive {
     }
 
     #[inline(always)]
-    fn duty_and_current(_output: &PmsmDriveOutput) -> (Real, Real) {
-        (0.0, 0.0)
+    fn duty_and_current(output: &PmsmDriveOutput) -> (Real, Real) {
+        (output.modulation.length(), output.current_a.length())
     }
 
     #[inline(always)]
