@@ -23,7 +23,7 @@ mod series_pack;
 pub use limits::{CurrentLimits, VoltageLimits};
 pub use map::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OverSoc, REFERENCE_C,
-    ResistanceMap, ThermalParams,
+    ResistanceMap, ThermalParams, temperature_factor,
 };
 pub use mapped::{
     MappedBattery, MappedBatteryInput, MappedBatteryOutput, MappedBatteryState, Resistances,
