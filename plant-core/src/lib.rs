@@ -25,8 +25,8 @@
 //! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature; cells in series |
 //! | [`auxiliary`] | what else draws from the battery |
 //! | [`converter`] | averaged four-quadrant converter |
-//! | [`machine`] | electric machines: [`dc`](machine::dc), [`pmsm`](machine::pmsm) with its [`flux`](machine::flux); three phases as one vector: [`transform`](machine::transform) |
 //! | [`mechanics`] | [`gearbox`](mechanics::gearbox), [`wheel`](mechanics::wheel), [`body`](mechanics::body), [`slope`](mechanics::slope); [`rotational`](mechanics::rotational): a load on a shaft, its angle, a shaft with inertia |
+//! | [`machine`] | electric machines: [`dc`](machine::dc), [`pmsm`](machine::pmsm) with its [`flux`](machine::flux); three phases as one vector: [`transform`](machine::transform) |
 //! | [`signal`] | [`sources`](signal::sources) over time, what [`sensors`](signal::sensors) make of a value, and their [`faults`](signal::faults) |
 //! | [`powertrain`] | the coupled plant, and its energy [`ledger`](powertrain::ledger) |
 //! | [`control`] | [`pid`](control::pid); [`driver`](control::driver): speed to torque to duty; [`foc`](control::foc): torque to the voltage of a synchronous machine |

@@ -271,10 +271,6 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     }
     let several = !content.drive.is_empty();
     let drives = drives(&document, &mut content)?;
-    if drives.one_dc().is_none() && matches!(content.driver, DriverParams::Duty(_)) {
-        let rule = "must drive one DC machine; others want `driver.torque`";
-        return Err(document.refusal("driver.duty", rule));
-    }
     let vehicle = Vehicle {
         name: content.name,
         description: content.description,
@@ -293,6 +289,12 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         let field = in_file(&document, error.field(), drive.filter(|_| several));
         document.refusal(&field, error.message())
     })?;
+    if vehicle.powertrain.drives.one_dc().is_none()
+        && matches!(vehicle.driver, DriverParams::Duty(_))
+    {
+        let rule = "must drive one DC machine; others want `driver.torque`";
+        return Err(document.refusal("driver.duty", rule));
+    }
     Ok(vehicle)
 }
 

@@ -9,12 +9,9 @@ use super::gap::Gap;
 use super::reaction::Reaction;
 use super::size::Size;
 use super::slope::Slope;
-use super::trust::Trust;
+use super::trust::{LOAD_MEMORY_S, Trust};
 use super::{CONSISTENT, Ekf, EkfInput, EkfState};
 
-/// The mean magnitude of the current follows over this time \[s\]. Chosen: some time constants of a
-/// slow branch.
-pub(super) const LOAD_MEMORY_S: Real = 300.0;
 /// The model's faster errors are correlated over this time \[s\]. Chosen: a fast branch's time
 /// constant.
 const DYNAMICS_S: Real = 10.0;

@@ -11,9 +11,12 @@ const SUMMED_S: Real = 3600.0;
 const KNOWN_SD: Real = 0.1;
 /// … and this variance of their sum is none. Chosen: 0.3 % of charge.
 const SMALL_VARIANCE: Real = 1e-5;
+/// The mean magnitude of the current follows over this time \[s\]. Chosen: some time constants of a
+/// slow branch.
+pub(super) const LOAD_MEMORY_S: Real = 300.0;
 /// The residuals of a second are looked at over this time \[s\] … Chosen: that over which the load is
 /// remembered.
-const SQUARES_S: Real = super::slow::LOAD_MEMORY_S;
+const SQUARES_S: Real = LOAD_MEMORY_S;
 /// … and remembered over this \[s\]: a rest proves nothing. Chosen: a drive.
 const REMEMBERED_S: Real = 3600.0;
 /// Their mean square may be so many times that of the model's error. Chosen: errors are correlated, so

@@ -59,7 +59,7 @@ fn every_row_trips_in_time() {
 fn assert_budgets(table: &Table) {
     let sides = [Side::Low, Side::High];
     let flows = [Flow::Discharge, Flow::Charge];
-    let within = |id: Id, budget_s: f32| {
+    let within = |id: Id, budget_s: crate::Real| {
         let longest_s = table.longest_s(table.row(id));
         assert!(longest_s <= budget_s + 1e-5, "{id:?}: {longest_s} s");
         assert!(longest_s > 0.0);
