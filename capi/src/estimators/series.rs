@@ -11,8 +11,7 @@ use super::params::VOLTSTEP_HORIZONS;
 use super::power::VoltstepEnergyReport;
 use super::record::{VoltstepRecord, elapsed};
 use super::values::{
-    VoltstepHealth, VoltstepPowerAhead, VoltstepSeriesCell, VoltstepSeriesInput,
-    VoltstepSeriesOutputs,
+    VoltstepPowerAhead, VoltstepSeriesCell, VoltstepSeriesInput, VoltstepSeriesOutputs,
 };
 use crate::handle::{
     answer, check, check_apart, check_optional, exclusive, read_from, write_optional, write_to,
