@@ -190,6 +190,8 @@ impl DriveParams<PmsmParams> {
 /// What a set of limits leaves to each drive.
 #[derive(Clone, Copy, Debug)]
 pub struct Shares {
+    /// There is one drive.
+    alone: bool,
     wishes: Wishes,
     /// What all together may take from the bus, at least and at most \[W\].
     lowest_w: Real,
@@ -245,12 +247,23 @@ impl Wishes {
         highest_w: Real,
         bus_v: Real,
         bus_ohm: Real,
+        alone: bool,
     ) -> Shares {
-        Shares { wishes: self, lowest_w, highest_w, bus_v, bus_ohm }
+        Shares { alone, wishes: self, lowest_w, highest_w, bus_v, bus_ohm }
     }
 }
 
 impl Shares {
+    /// For one drive: all.
+    const fn all(&self) -> Bounds {
+        Bounds {
+            lowest_w: self.lowest_w,
+            highest_w: self.highest_w,
+            bus_v: self.bus_v,
+            bus_ohm: self.bus_ohm,
+        }
+    }
+
     /// Those that feed, or draw, too much share what there is in proportion to it; what is left over
     /// anyone may have.
     fn bounds(&self, wish: Wish) -> Bounds {
@@ -304,7 +317,8 @@ pub trait Drives: Copy {
     type Rises: Copy;
     /// What a step says of them.
     type Output: Copy;
-    /// How often the currents within a limit are sought: the drives move one another's road.
+    /// How often the currents within a limit are sought: the drives move one another's road. Once
+    /// where there is one, which has the bus for itself.
     const PASSES: u32;
     /// One of them has three phases.
     const THREE_PHASE: bool;
@@ -563,8 +577,12 @@ impl<M: Machine> Drives for Drive<M> {
             speed_m_s: mode.coasting_m_s + mode.mobility * others_n,
             mobility: mode.mobility,
         };
-        let carried = self.machine.within_winding(state, want);
-        let bounds = shares.bounds(self.machine.wish(state, link, carried, mode.ended_m_s()));
+        let bounds = if shares.alone {
+            shares.all()
+        } else {
+            let carried = self.machine.within_winding(state, want);
+            shares.bounds(self.machine.wish(state, link, carried, mode.ended_m_s()))
+        };
         self.machine.hold(state, link, want, footing, &bounds)
     }
 
