@@ -70,7 +70,6 @@ impl VehicleBattery {
 
 /// A drive, whichever machine it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "four per vehicle")]
 pub enum DriveKind {
     /// A DC machine.
     Dc(DriveParams),

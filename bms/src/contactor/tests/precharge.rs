@@ -157,7 +157,11 @@ fn the_resistor_must_be_able_to_take_a_short() {
     for _ in 0..30_000 {
         WATCH.cool(&mut state);
     }
-    assert!((state.heat_j() - 150.0 / 2.718_28).abs() < 0.5, "{}", state.heat_j());
+    assert!(
+        (f64::from(state.heat_j()) - 150.0 / core::f64::consts::E).abs() < 0.5,
+        "{}",
+        state.heat_j()
+    );
     assert!(WATCH.ready(&state));
     assert!(!WATCH.ready(&WATCH.warmed(Real::NAN)));
     assert_eq!(WATCH.warmed(-1.0), WATCH.cold());
