@@ -94,6 +94,8 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String> {
     let mut mathml = String::new();
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
     push_mathml(&mut mathml, events.into_iter().map(Ok::<_, std::fmt::Error>), config)?;
+    // It writes these as they are.
+    let mathml = mathml.replace("><<", ">&lt;<").replace(">><", ">&gt;<");
     Ok(unmarked(&mathml))
 }
 

@@ -1,4 +1,4 @@
-//! The coupled plant: battery, auxiliary load, converter, motor, gearbox, wheel, body.
+//! The coupled plant: battery, auxiliary load, drives (converter, machine, gearbox), wheel, body.
 //!
 //! # Equations
 //! With D the duty, i the winding current, v the speed of the road, k the motor's turns (rad) per
@@ -23,21 +23,23 @@
 //! chain eliminates everything but the increment Δv (`i`, `v` are the old values):
 //!
 //! ```text
-//! Battery::offer              V  = emf − resistance·I         RC branch eliminated      source
-//! Source::loaded              V  = emf − resistance·D·i'      loads eliminated          bus
-//! Converter::seen_through     D·emf ∓ V_d behind D²·resistance + R_c                    seen
-//!                             within V_d of no current, none: i' = 0                    blocked
-//! Winding::law                Y  = 1/(L/h + R + seen.resistance)               admittance_s
-//!                             Δi = Y·(seen.emf − (R + seen.resistance)·i − Ke·k·v) − Y·Ke·k·Δv
-//!                                = free_a − per_speed·Δv                                current
-//!                             F  = Kt·k·(i + free_a) − Kt·Ke·k²·Y·Δv = effort − slope·Δv  drive
-//! Body::resistance            force = −(c·|v + w|·(v + w) + b·v + M·g·sin α)       resistance
-//!                             slope = m/h + b + c·|v + w|      friction = F_c
-//! project                     Δv = (force + effort ∓ friction)/(slope + drive.slope)   motion
+//! Battery::offer       V  = emf − resistance·I                RC branch eliminated          source
+//! Loads::leave         V  = emf − resistance·D·i'             loads eliminated              bus
+//! Machine::solve       w  = D·(emf − resistance·D·i) − (R + R_c)·i − Ke·k·v ∓ V_d
+//!                      within V_d of no current, none: i' = 0
+//!                      Y  = 1/(L/h + R + R_c + D²·resistance)
+//!                      Δi = Y·w − Y·Ke·k·Δv
+//!                      F  = Kt·k·(i + Y·w) − Kt·Ke·k²·Y·Δv    = effort − slope·Δv           drive
+//! Body::resistance     force = −(c·|v + w|·(v + w) + b·v + M·g·sin α)                  resistance
+//!                      slope = m/h + b + c·|v + w|      friction = F_c
+//! Resistance::solve    Δv = (force + effort ∓ friction)/(slope + drive.slope)             motion
 //! ```
 //!
+//! That is a DC machine which has the bus for itself. Several drives, and those with three phases,
+//! offer lines in the rise of the bus voltage too ([`BusLaw`](crate::port::BusLaw)); lines add.
+//!
 //! `project` takes v to exactly 0 where friction holds it. One walk back settles each state:
-//! `Δi = free_a − per_speed·Δv`, `I` and `V` on the bus, SOC, distance. No iteration, except
+//! `Δi`, `I` and `V` on the bus, SOC, distance. No iteration, except
 //! a bounded one when a limit acts ([`Limited`]). In one line, with `a11 = L/h + R_total`
 //! and `a22 = m/h + c·|v + w| + b`, it is the solution of the two by two system whose determinant
 //! is `a11·a22 + Ke·Kt·k²`.
