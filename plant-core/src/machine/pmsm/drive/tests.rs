@@ -6,6 +6,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::battery::{BatteryState, CurrentLimits};
+use crate::converter::Gates;
 use crate::machine::pmsm::PmsmParams;
 use crate::mechanics::body::Road;
 use crate::mechanics::slope::Grade;
