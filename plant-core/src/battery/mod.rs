@@ -195,9 +195,9 @@ impl Battery {
         let open_circuit = check!(params.open_circuit.checked());
         let source_resistance_ohm = series_resistance_ohm + rc.implicit_ohm();
         Ok(Self {
-            // At half of the voltage; a polarised battery has less.
-            may_collapse: limits.discharge_a * source_resistance_ohm
-                > 0.4 * open_circuit.lowest_v(),
+            // At half of the voltage; a polarised battery has less. Without a limit nothing is held.
+            may_collapse: limits.discharge_a < LARGEST
+                && limits.discharge_a * source_resistance_ohm > 0.4 * open_circuit.lowest_v(),
             open_circuit,
             series_resistance_ohm,
             source_resistance_ohm,

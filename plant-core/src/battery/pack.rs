@@ -4,7 +4,7 @@
 
 use super::{Battery, BatteryState, CurrentLimits, MappedBattery, MappedBatteryState};
 use crate::error::ParamError;
-use crate::num::Real;
+use crate::num::{LARGEST, Real};
 use crate::port::Source;
 
 /// What one step turns into heat, without the factors of [`Pack::loss_factors`].
@@ -189,7 +189,7 @@ impl Pack for MappedBattery {
     // Its resistance depends on temperature and state of charge.
     #[inline(always)]
     fn may_collapse(&self) -> bool {
-        true
+        self.params.discharge_limit_a < LARGEST
     }
 
     #[inline(always)]

@@ -60,9 +60,11 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         resistance: Resistance,
     ) -> Kept<D::Link> {
         let mut limits = self.battery.faded(&state.battery).within(asked);
-        // No more than the source can give at all.
-        let greatest_a = GREATEST * 0.5 * source.emf_v / source.resistance_ohm;
-        limits.discharge_a = min(limits.discharge_a, greatest_a);
+        if limits.discharge_a < LARGEST {
+            // No more than the source can give at all.
+            let greatest_a = GREATEST * 0.5 * source.emf_v / source.resistance_ohm;
+            limits.discharge_a = min(limits.discharge_a, greatest_a);
+        }
         let bus = loads.leave(source);
         if !walk.review.fits {
             // Or a winding's own limit, where this changes nothing.
