@@ -28,6 +28,11 @@
 //! | [`estimate::energy`] | energy and time left |
 //! | [`estimate::power`] | state of power: what may be drawn and charged over the next seconds |
 //! | [`estimate::series`] | all of them of cells in series, tied together |
+//! | [`protect`] | what must not be: limits, plausibility, missing data, as a table of rows |
+//! | [`contactor`] | when contactors close and open: a state machine, precharge, a driver of pins |
+//! | [`limit`] | what vehicle and charger may draw and feed, and which is heard |
+//! | [`balance`] | which cells are bled, and what that takes out of them |
+//! | [`log`] | what happened, in memory and on a flash memory |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
@@ -37,9 +42,14 @@
 //! `_sd`. A module's header gives its equations and their source (a key of `docs/src/references.md`
 //! in brackets, or that it is ours) and ends with where its tests are.
 
+pub mod balance;
 pub mod comm;
+pub mod contactor;
 pub mod estimate;
+pub mod limit;
+pub mod log;
 pub mod measure;
+pub mod protect;
 pub mod store;
 
 pub use estimate::Estimate;
@@ -50,7 +60,7 @@ pub use estimate::energy::EnergyGauge;
 pub use estimate::power::PowerLimits;
 pub use estimate::soh::Health;
 pub use measure::{Measurements, Reading};
-pub use plant_core::{Accum, Dt, ParamError, Real};
+pub use plant_core::{Accum, Dt, ParamError, Real, must};
 
 /// The example of this crate's README, kept compiling.
 #[cfg(doctest)]

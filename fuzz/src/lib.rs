@@ -15,7 +15,7 @@ use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::slope::Grade;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::powertrain::{DriveParams, Powertrain, PowertrainInput, PowertrainParams};
-use voltstep::read::vehicle::VehicleBattery;
+use voltstep::read::vehicle::{DriveKind, VehicleBattery};
 
 /// A driving cycle: read, or refused with a place.
 pub fn cycle(data: &[u8]) {
@@ -38,13 +38,22 @@ pub fn vehicle(data: &[u8]) {
     if let Ok(vehicle) = voltstep::read::vehicle::parse("fuzz.toml", data) {
         let dt = Dt::from_s(0.001).expect("a sound step");
         let plant = vehicle.powertrain;
-        match plant.battery {
-            VehicleBattery::Constant(battery) => {
-                Powertrain::new(plant.with_battery(battery), dt).expect("checked by the reader");
-            }
-            VehicleBattery::Mapped(battery) => {
-                plant.with_battery(battery).build(dt).expect("checked by the reader");
-            }
+        for drive in plant.drives.as_slice().iter().flatten() {
+            let built = match (plant.battery, drive) {
+                (VehicleBattery::Constant(battery), DriveKind::Dc(drive)) => {
+                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
+                }
+                (VehicleBattery::Constant(battery), DriveKind::Pmsm(drive)) => {
+                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
+                }
+                (VehicleBattery::Mapped(battery), DriveKind::Dc(drive)) => {
+                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
+                }
+                (VehicleBattery::Mapped(battery), DriveKind::Pmsm(drive)) => {
+                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
+                }
+            };
+            assert!(built, "checked by the reader");
         }
     }
 }

@@ -21,12 +21,13 @@
 //! |---|---|
 //! | [`num`], [`error`], [`model`] | the scalar [`Real`], compensated sums, lookup table, the only calls to `libm`; why a parameter set is refused ([`must!`] turns that into a compile error); the trait every model shares and the fixed step [`Dt`] |
 //! | [`port`] | what components say to each other within a step |
-//! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature |
+//! | [`thermal`] | lumped thermal nodes; derating, resistance over temperature, the losses of a drive |
+//! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature; cells in series |
 //! | [`auxiliary`] | what else draws from the battery |
 //! | [`converter`] | averaged four-quadrant converter |
+//! | [`mechanics`] | [`gearbox`](mechanics::gearbox), [`wheel`](mechanics::wheel), [`body`](mechanics::body), [`slope`](mechanics::slope); [`rotational`](mechanics::rotational): a load on a shaft, its angle, a shaft with inertia |
 //! | [`machine`] | electric machines: [`dc`](machine::dc), [`pmsm`](machine::pmsm) with its [`flux`](machine::flux); three phases as one vector: [`transform`](machine::transform) |
-//! | [`mechanics`] | [`gearbox`](mechanics::gearbox), [`wheel`](mechanics::wheel), [`body`](mechanics::body), [`slope`](mechanics::slope); [`rotational`](mechanics::rotational): a load on a shaft, and its angle |
-//! | [`signal`] | [`sources`](signal::sources) over time, and what [`sensors`](signal::sensors) make of a value |
+//! | [`signal`] | [`sources`](signal::sources) over time, what [`sensors`](signal::sensors) make of a value, and their [`faults`](signal::faults) |
 //! | [`powertrain`] | the coupled plant, and its energy [`ledger`](powertrain::ledger) |
 //! | [`control`] | [`pid`](control::pid); [`driver`](control::driver): speed to torque to duty; [`foc`](control::foc): torque to the voltage of a synchronous machine |
 //! | [`presets`] | parameter sets with their sources |
@@ -73,6 +74,7 @@ pub mod port;
 pub mod powertrain;
 pub mod presets;
 pub mod signal;
+pub mod thermal;
 
 pub use battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams};
 pub use control::driver::{Driver, DriverInput, DriverOutput, DriverParams, DriverState};

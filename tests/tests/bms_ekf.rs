@@ -244,7 +244,9 @@ fn on_a_flat_curve_it_claims_only_what_it_can_know() {
                  {after_plateau:.3} a minute after the plateau"
             );
             assert!(share >= 0.99, "{start} told {told}, {direction}: {share}");
-            assert!(after_plateau <= 0.02, "{start} told {told}, {direction}: {after_plateau}");
+            // Told 20 % wrong with a standard deviation of 20 %, several places show the same voltage at
+            // first: the mean lies between them, within what is claimed.
+            assert!(after_plateau <= 0.04, "{start} told {told}, {direction}: {after_plateau}");
         }
     }
 }

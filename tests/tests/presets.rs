@@ -5,8 +5,8 @@
 use std::fmt::Debug;
 
 use plant_core::presets::{
-    BMW_I3_60AH_PACK, CONVERTER_BENCH_LOAD, CONVERTER_BENCH_MOTOR, MAPPED_VEHICLES, MOTOR_MOMENTS,
-    MOTOR_PASEK, PANASONIC_NCR18650PF, VEHICLES, Vehicle,
+    BMW_I3_60AH_PACK, BMW_I3_60AH_TABLE_5_2, CONVERTER_BENCH_LOAD, CONVERTER_BENCH_MOTOR,
+    MAPPED_VEHICLES, MOTOR_MOMENTS, MOTOR_PASEK, PANASONIC_NCR18650PF, VEHICLES, Vehicle,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -41,7 +41,7 @@ fn components() {
         survives(&motor);
     }
     survives(&CONVERTER_BENCH_LOAD);
-    for battery in [BMW_I3_60AH_PACK, PANASONIC_NCR18650PF] {
+    for battery in [BMW_I3_60AH_PACK, BMW_I3_60AH_TABLE_5_2, PANASONIC_NCR18650PF] {
         survives(&battery);
     }
 }

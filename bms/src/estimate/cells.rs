@@ -15,8 +15,8 @@ use plant_core::error::{above, positive, ratio};
 use plant_core::num::{clamp, sane, sound};
 use plant_core::{Dt, ParamError, Real, check};
 
-use crate::Estimate;
 use crate::estimate::curve::{INTERVALS, Tangents, as_table};
+use crate::{Estimate, Health};
 
 mod params;
 mod resistance;
@@ -116,6 +116,8 @@ pub struct CellsState<const CELLS: usize> {
     mean_soc: Real,
     /// What the held cells leave open of the others' mean, as a variance.
     others_variance: Real,
+    /// The resistances, and with them their spread, are larger by this factor.
+    resistance_factor: Real,
     /// How many cells are held; where none is, what the cells say of it is old.
     held: usize,
     cells: [Cell; CELLS],
@@ -197,8 +199,18 @@ impl Cells {
             bend_v: 0.0,
             mean_soc: 0.0,
             others_variance: 0.0,
+            resistance_factor: 1.0,
             held: CELLS,
             cells: [cell; CELLS],
+        }
+    }
+
+    /// Takes over what was learnt of the resistances' mean: cells that have aged differ by as much
+    /// more. What is not finite or not above zero is not taken.
+    pub fn adopt<const CELLS: usize>(&self, state: &mut CellsState<CELLS>, health: &Health) {
+        let factor = health.resistance_factor;
+        if sane(factor) && factor > 0.0 {
+            state.resistance_factor = factor;
         }
     }
 
@@ -221,7 +233,7 @@ impl Cells {
             of_capacity: self.capacity_sd * (state.pack_soc - old_soc),
             mean_soc: state.mean_soc,
             base_v: 0.0,
-            resistance_v: self.resistance_sd_ohm * input.current_a,
+            resistance_v: self.resistance_sd_ohm * state.resistance_factor * input.current_a,
         };
         let (_, pack_v, _) = self.tangents.at(state.pack_soc);
         match self.mean_of_all(input.cell_v) {

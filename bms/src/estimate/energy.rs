@@ -1,22 +1,25 @@
 //! Energy and time left.
 //!
-//! `E = Q·(s − e)·V` with `V = (U + √(U² − 4·R·P))/2`: a discharge at constant power with the mean
-//! open-circuit voltage U and the mean resistance R of the window, which is ours. Names are those
-//! of \[SmartBattery1998\] where it has one.
+//! `E = Σ Q·Δs·V` with `V = (U + √(U² − 4·R·P))/2`: a discharge at constant power, stretch by
+//! stretch, in which the battery warms itself; which is ours. Names are those of
+//! \[SmartBattery1998\] where it has one.
 //!
 //! Tests: `tests` below, against the plant.
 
-use plant_core::battery::{MappedBattery, OverSoc, ResistanceMap};
+mod discharge;
+
+use plant_core::battery::MappedBattery;
 use plant_core::error::{above, check, not_negative, positive, ratio};
 use plant_core::num::{clamp, lag_gain, max, min, sane, sqrt};
 use plant_core::{Accum, Dt, ParamError, Real};
 
 use crate::{Estimate, Health};
+use discharge::Discharge;
 
 /// Seconds of the rolling average of current and power: the minute of \[SmartBattery1998\].
 const AVERAGE_S: Real = 60.0;
-/// Halvings of the usable window: down to a thousandth of a per cent (`2⁻¹⁶`).
-const HALVINGS: u32 = 16;
+/// Discharges that a report takes.
+const CASES: usize = 5;
 
 /// Parameters of an [`EnergyGauge`]: what counts as empty and as full.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,14 +39,16 @@ pub struct EnergyParams {
 
 /// How much is left, and for how long.
 ///
-/// A discharge at constant power P from the state of charge s down to e, in which the current
-/// settles the RC branches (they are minutes, a discharge is more), gives at the terminals
-/// `E = Q·(s − e)·V`, where V solves `P = V·I`, `V = U − R·I`: U the mean of the open-circuit
-/// voltage and R that of all resistances over the window, both in closed form from their tables;
-/// `V = (U + √(U² − 4·R·P))/2`. e is where the battery counts as empty: at `empty_soc`, or where
-/// under P the voltage meets `empty_v`, found by bisection in 16
-/// steps, a branch's voltage being late by its time constant. It is as warm as now until
-/// the end, and warms itself in truth: in the cold it gives more than this says.
+/// A discharge at constant power P from the state of charge s down to e is cut into 24 stretches of
+/// charge. In each the branches go on towards what the current makes of them, `v += g·(R·I − v)`; so
+/// its end is a source of the voltage U and the resistance R, at whose terminals `P = V·I`,
+/// `V = U − R·I` hold, that is `V = (U + √(U² − 4·R·P))/2`. The heat of the current warms the battery,
+/// `C·ΔT = Δt·((OCV − V)·I − k·(T − T_a))`, and what is warmer has less resistance; its surroundings
+/// `T_a` are taken to be as warm as it is now. e is where it counts as empty: at `empty_soc`, or where
+/// under P the voltage meets `empty_v`.
+///
+/// How much it warms up nobody knows: half of what that gives is in the standard deviation, as is
+/// what the resistances' own makes of it.
 ///
 /// ```
 /// use plant_core::presets::PANASONIC_NCR18650PF;
@@ -101,6 +106,26 @@ pub struct Left {
     pub energy_wh: Real,
 }
 
+/// How far [`EnergyGauge::walk`] has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EnergyWalk {
+    next: usize,
+    left: [Left; CASES],
+}
+
+impl EnergyWalk {
+    /// Before the first call.
+    pub const START: Self =
+        Self { next: 0, left: [Left { charge_ah: 0.0, energy_wh: 0.0 }; CASES] };
+}
+
+impl Default for EnergyWalk {
+    fn default() -> Self {
+        Self::START
+    }
+}
+
 /// Output of an [`EnergyGauge`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -123,8 +148,8 @@ pub struct EnergyReport {
     pub absolute_state_of_charge: Real,
     /// Remaining energy over full-charge energy, 0..1.
     pub state_of_energy: Real,
-    /// Standard deviation of the remaining energy \[W·h\]: of the state of charge and of the
-    /// capacity.
+    /// Standard deviation of the remaining energy \[W·h\]: of the state of charge, of capacity and
+    /// resistance, and of what the battery's own warmth gives.
     pub remaining_energy_sd_wh: Real,
     /// Time until empty at the average power of the last minute \[s\] (`AverageTimeToEmpty`);
     /// nothing where it is not discharged.
@@ -180,30 +205,82 @@ impl<'b> EnergyGauge<'b> {
         estimate: &Estimate,
         health: &Health,
     ) -> Option<EnergyReport> {
+        let mut walk = EnergyWalk::START;
+        for _ in 0..CASES - 1 {
+            self.walk(&mut walk, state, estimate, health);
+        }
+        self.walk(&mut walk, state, estimate, health)
+    }
+
+    /// One discharge at a time, for a processor with other things to do: five calls, and the report
+    /// is there, from the estimates of these calls. Nothing until then, and where the last estimate is
+    /// not finite.
+    pub fn walk(
+        &self,
+        walk: &mut EnergyWalk,
+        state: &EnergyState,
+        estimate: &Estimate,
+        health: &Health,
+    ) -> Option<EnergyReport> {
+        let [fast_v, slow_v] = estimate.polarisation_v;
         let sound = sane(
             estimate.soc.abs()
                 + estimate.soc_sd.abs()
                 + estimate.temperature_c.abs()
+                + estimate.hysteresis.abs()
+                + fast_v.abs()
+                + slow_v.abs()
+                + health.resistance_factor_sd.abs()
                 + health.capacity_sd_ah.abs(),
         ) && sane(health.capacity_ah)
             && sane(health.resistance_factor)
             && health.capacity_ah > 0.0
             && health.resistance_factor > 0.0;
         if !sound {
+            *walk = EnergyWalk::START;
             return None;
         }
         let average_a = state.average_a.get();
         let discharging = average_a >= self.params.least_a;
         let power_w =
             if discharging { max(state.average_w.get(), 0.0) } else { self.five_hours_w(health) };
-        let now = self.left(power_w, estimate, health);
-        let full_soc = self.params.full_soc;
-        let full = self.left(power_w, &Estimate { soc: full_soc, ..*estimate }, health);
+        let Health { resistance_factor, resistance_factor_sd, .. } = *health;
+        let usual = Discharge::new(self.battery, &self.params, power_w, health);
+        let (discharge, from) = match walk.next {
+            0 => (usual, *estimate),
+            1 => (usual, Estimate { soc: self.params.full_soc, ..*estimate }),
+            2 => (Discharge { warms: false, ..usual }, *estimate),
+            3 => {
+                let factor = resistance_factor + resistance_factor_sd;
+                (Discharge { resistance_factor: factor, ..usual }, *estimate)
+            }
+            _ => {
+                let factor = max(resistance_factor - resistance_factor_sd, 0.0);
+                (Discharge { resistance_factor: factor, ..usual }, *estimate)
+            }
+        };
+        if let Some(left) = walk.left.get_mut(walk.next) {
+            *left = discharge.run(&from);
+        }
+        walk.next += 1;
+        if walk.next < CASES {
+            return None;
+        }
+        let [now, full, cold, less, more] = walk.left;
+        *walk = EnergyWalk::START;
 
         // A little more charge is a little more at the voltage of now.
         let soc = clamp(estimate.soc, 0.0, 1.0);
         let soc_wh = health.capacity_ah * self.battery.open_circuit().at(soc) * estimate.soc_sd;
         let capacity_wh = now.energy_wh * health.capacity_sd_ah / health.capacity_ah;
+        let warming_wh = 0.5 * (now.energy_wh - cold.energy_wh);
+        let resistance_wh =
+            max((more.energy_wh - now.energy_wh).abs(), (now.energy_wh - less.energy_wh).abs());
+        let variance_wh2 = soc_wh * soc_wh
+            + capacity_wh * capacity_wh
+            + warming_wh * warming_wh
+            + resistance_wh * resistance_wh;
+        let full_soc = self.params.full_soc;
         let missing_ah = health.capacity_ah * max(0.0, full_soc - estimate.soc);
         Some(EnergyReport {
             remaining_capacity_ah: now.charge_ah,
@@ -213,7 +290,7 @@ impl<'b> EnergyGauge<'b> {
             relative_state_of_charge: share(now.charge_ah, full.charge_ah),
             absolute_state_of_charge: now.charge_ah / self.battery.params().capacity_ah,
             state_of_energy: share(now.energy_wh, full.energy_wh),
-            remaining_energy_sd_wh: sqrt(soc_wh * soc_wh + capacity_wh * capacity_wh),
+            remaining_energy_sd_wh: sqrt(variance_wh2),
             average_time_to_empty_s: (discharging && power_w > 0.0)
                 .then(|| 3600.0 * now.energy_wh / power_w),
             average_time_to_full_s: (average_a <= -self.params.least_a)
@@ -225,44 +302,7 @@ impl<'b> EnergyGauge<'b> {
     /// \[W\], ≥ 0; nothing where the battery cannot give it.
     #[must_use]
     pub fn left(&self, power_w: Real, estimate: &Estimate, health: &Health) -> Left {
-        let map = Averages::new(self.battery, estimate.temperature_c, health.resistance_factor);
-        let soc = clamp(estimate.soc, 0.0, 1.0);
-        let empty_soc = self.empty_soc(&map, power_w, soc, health.capacity_ah);
-        let open_circuit_v = self.battery.open_circuit().mean(empty_soc, soc);
-        let ohm = map.mean_ohm(empty_soc, soc);
-        let square = open_circuit_v * open_circuit_v - 4.0 * ohm * power_w;
-        if !(square >= 0.0 && soc > empty_soc) {
-            return Left::default();
-        }
-        let charge_ah = health.capacity_ah * (soc - empty_soc);
-        Left { charge_ah, energy_wh: charge_ah * 0.5 * (open_circuit_v + sqrt(square)) }
-    }
-
-    /// Where a discharge at constant power from `soc` ends.
-    fn empty_soc(&self, map: &Averages, power_w: Real, soc: Real, capacity_ah: Real) -> Real {
-        let empty_v = self.params.empty_v;
-        let (mut low, mut high) = (self.params.empty_soc, soc);
-        if empty_v <= 0.0 {
-            return low;
-        }
-        let current_a = power_w / empty_v;
-        let soc_per_s = current_a / (3600.0 * capacity_ah);
-        let gives = |soc| {
-            let drop_v = map.ohm(soc, soc_per_s) * current_a;
-            self.battery.open_circuit().at(soc) - drop_v >= empty_v
-        };
-        if low >= high || gives(low) {
-            return low;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if gives(middle) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        high
+        Discharge::new(self.battery, &self.params, power_w, health).run(estimate)
     }
 
     /// The power at which a full battery lasts five hours.
@@ -276,80 +316,6 @@ impl<'b> EnergyGauge<'b> {
 
 fn share(part: Real, whole: Real) -> Real {
     if whole > 0.0 { min(part / whole, 1.0) } else { 0.0 }
-}
-
-/// The resistances at one temperature: the exponentials are taken once.
-struct Averages<'b> {
-    tables: [&'b OverSoc; 3],
-    factors: [Real; 3],
-    late_s: [Real; 3],
-    soc_min: Real,
-    soc_max: Real,
-}
-
-impl<'b> Averages<'b> {
-    fn new(battery: &'b MappedBattery, temperature_c: Real, resistance_factor: Real) -> Self {
-        let known = battery.params();
-        let celsius = known.identified.nearest_c(temperature_c);
-        let factor = |activation_k| {
-            let one = ResistanceMap { resistance_ohm: OverSoc::Constant(1.0), activation_k };
-            resistance_factor * one.at(0.0, celsius)
-        };
-        Self {
-            tables: [
-                &known.series.resistance_ohm,
-                &known.polarisation.resistance_ohm,
-                &known.second_polarisation.resistance_ohm,
-            ],
-            factors: [
-                factor(known.series.activation_k),
-                factor(known.polarisation.activation_k),
-                factor(known.second_polarisation.activation_k),
-            ],
-            late_s: [
-                0.0,
-                known.polarisation.time_constant_s,
-                known.second_polarisation.time_constant_s,
-            ],
-            soc_min: known.identified.soc_min,
-            soc_max: known.identified.soc_max,
-        }
-    }
-
-    /// All in series \[Ω\], where the state of charge falls by `soc_per_s`: a branch lags behind
-    /// its resistance by its time constant.
-    fn ohm(&self, soc: Real, soc_per_s: Real) -> Real {
-        let mut sum = 0.0;
-        for ((table, factor), late_s) in self.tables.iter().zip(self.factors).zip(self.late_s) {
-            let seen = clamp(soc + soc_per_s * late_s, self.soc_min, self.soc_max);
-            sum += factor * table.at(seen);
-        }
-        sum
-    }
-
-    /// Their mean between two states of charge \[Ω\]; the ends of the identified range hold
-    /// beyond it.
-    fn mean_ohm(&self, from: Real, to: Real) -> Real {
-        let (low, high) =
-            (clamp(from, self.soc_min, self.soc_max), clamp(to, self.soc_min, self.soc_max));
-        let mut inside = 0.0;
-        for (table, factor) in self.tables.iter().zip(self.factors) {
-            inside += factor
-                * match table {
-                    OverSoc::Constant(ohm) => *ohm,
-                    OverSoc::Table(table) => table.mean(low, high),
-                };
-        }
-        let width = to - from;
-        if width > 0.0 {
-            let below = min(self.soc_min, to) - min(self.soc_min, from);
-            let beyond = max(self.soc_max, to) - max(self.soc_max, from);
-            (inside * (high - low) + below * self.ohm(0.0, 0.0) + beyond * self.ohm(1.0, 0.0))
-                / width
-        } else {
-            inside
-        }
-    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ mod window;
 pub use weakest::{SLICES_OF_CELLS, SeriesCells};
 pub use window::TemperatureWindow;
 
-use plant_core::battery::MappedBattery;
+use plant_core::battery::{MappedBattery, temperature_factor};
 use plant_core::error::{above, check, finite, not_negative, positive, ratio};
 use plant_core::num::{LARGEST, clamp, max, min, sane};
 use plant_core::{ParamError, Real};
@@ -306,7 +306,27 @@ impl<'b> PowerLimits<'b> {
         let soc = clamp(estimate.soc - direction.sign() * sds * estimate.soc_sd, 0.0, 1.0);
         let now = clamp(estimate.soc, 0.0, 1.0);
         let offset_v = estimate.offset_v + (curve.at(now) - curve.at(soc));
-        let resistance_factor = health.resistance_factor + sds * health.resistance_factor_sd;
+        let mut resistance_factor = health.resistance_factor + sds * health.resistance_factor_sd;
+        if sds > 0.0 {
+            // The resistance need not be highest where the voltage is lowest.
+            let known = self.battery.params();
+            let celsius = known.identified.nearest_c(estimate.temperature_c);
+            let series = temperature_factor(known.series.activation_k, celsius);
+            let fast = temperature_factor(known.polarisation.activation_k, celsius);
+            let slow = temperature_factor(known.second_polarisation.activation_k, celsius);
+            let total_ohm = |soc| {
+                let soc = clamp(soc, known.identified.soc_min, known.identified.soc_max);
+                series * known.series.resistance_ohm.at(soc)
+                    + fast * known.polarisation.resistance_ohm.at(soc)
+                    + slow * known.second_polarisation.resistance_ohm.at(soc)
+            };
+            let here_ohm = total_ohm(soc);
+            let other = 2.0 * now - soc;
+            let highest_ohm = max(here_ohm, max(total_ohm(now), total_ohm(other)));
+            if here_ohm > 0.0 {
+                resistance_factor *= highest_ohm / here_ohm;
+            }
+        }
         let soc = if sds > 0.0 { soc } else { estimate.soc };
         (Estimate { soc, offset_v, ..*estimate }, Health { resistance_factor, ..*health })
     }

@@ -17,7 +17,7 @@ use crate::{Estimate, Health};
 ///
 /// At each sample filter, counter and resistance; once a second the cells, the counter's review, and
 /// what was learnt goes where it is used: capacity, between two rests that the counter was put right
-/// at, and resistance into filter and counter.
+/// at, and resistance into filter, counter and the spread of the cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Series<'b> {
     /// State of charge of the mean.
@@ -89,10 +89,12 @@ impl Series<'_> {
         self.counter.adopt(&mut counter, &health);
         let standby_sd_a = self.filter.params().uncertainty.standby_sd_a;
         self.counter.pause(&mut counter, elapsed_s, standby_sd_a);
+        let mut cells = self.cells.start(self.filter.estimate(&filter));
+        self.cells.adopt(&mut cells, &health);
         Ok(SeriesState {
             filter,
             counter,
-            cells: self.cells.start(self.filter.estimate(&filter)),
+            cells,
             resistance: self
                 .resistance
                 .known(health.resistance_factor, health.resistance_factor_sd),
@@ -175,6 +177,7 @@ impl Series<'_> {
         }
         self.filter.adopt(&mut state.filter, &state.health);
         self.counter.adopt(&mut state.counter, &state.health);
+        self.cells.adopt(&mut state.cells, &state.health);
     }
 }
 

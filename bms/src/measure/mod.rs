@@ -112,6 +112,18 @@ impl<const CELLS: usize, const SENSORS: usize> Measurements<CELLS, SENSORS> {
         Spread::of(&self.cell_v, oldest_s)
     }
 
+    /// Whether the cells in series and the pack fit: `CELLS` times the mean of the usable cells is
+    /// the pack's voltage to within half a cell. A pack that is said to have one cell too many or too
+    /// few does not. `None` where no cell, or the pack, is usable.
+    #[must_use]
+    pub fn fits_in_series(&self, oldest_s: Real) -> Option<bool> {
+        let cell_v = self.cell_spread(oldest_s)?.mean;
+        let pack_v = self.pack_v.usable(oldest_s)?;
+        #[expect(clippy::cast_precision_loss, reason = "a pack has fewer cells than 2^24")]
+        let sum_v = CELLS as Real * cell_v;
+        Some((sum_v - pack_v).abs() <= 0.5 * cell_v)
+    }
+
     /// Lowest, mean and highest usable temperature \[°C\]; `None` where no sensor is usable.
     #[must_use]
     pub fn temperature_spread(&self, oldest_s: Real) -> Option<Spread> {
@@ -292,6 +304,29 @@ mod tests {
         assert_eq!(now.temperature_spread(1.0).unwrap().mean, 25.0);
         assert_eq!(Spread::of(&[Reading::NONE; 3], 1.0), None);
         assert_eq!(Measurements::<4, 2>::default().cell_spread(1.0), None);
+    }
+
+    #[test]
+    fn a_cell_too_few_does_not_fit() {
+        let pack_of = |cells: Real| {
+            let mut now: Measurements<4, 0> = Measurements::NONE;
+            now.cell_v = [3.7, 3.65, 3.72, 3.6].map(Reading::new);
+            now.pack_v = Reading::new(3.67 * cells);
+            now
+        };
+        assert_eq!(pack_of(4.0).fits_in_series(1.0), Some(true));
+        assert_eq!(pack_of(3.0).fits_in_series(1.0), Some(false));
+        assert_eq!(pack_of(5.0).fits_in_series(1.0), Some(false));
+        let mut lost = pack_of(4.0);
+        lost.cell_v[1].valid = false;
+        assert_eq!(lost.fits_in_series(1.0), Some(true), "one reading is lost");
+        lost.pack_v.valid = false;
+        assert_eq!(lost.fits_in_series(1.0), None);
+        assert_eq!(Measurements::<4, 0>::NONE.fits_in_series(1.0), None);
+    }
+
+    #[test]
+    fn without_a_reading_there_is_no_spread() {
         assert_eq!(Measurements::<4, 2>::default().temperature_spread(1.0), None);
     }
 }

@@ -13,7 +13,7 @@ use super::handle::{Models, VoltstepEstimators, models};
 use super::params::VOLTSTEP_HORIZONS;
 use super::power::VoltstepEnergyReport;
 use super::record::VoltstepRecord;
-use super::series::{VoltstepSeriesCell, VoltstepSeriesInput, VoltstepSeriesOutputs};
+use super::values::{VoltstepSeriesCell, VoltstepSeriesInput, VoltstepSeriesOutputs};
 use crate::handle::{check, check_ranges_apart, mark, write_to};
 use crate::status::VoltstepStatus;
 

@@ -10,7 +10,9 @@ use super::memory::{begin, opened};
 use super::params::VOLTSTEP_HORIZONS;
 use super::power::VoltstepEnergyReport;
 use super::record::{VoltstepRecord, elapsed};
-use super::values::{VoltstepEstimate, VoltstepHealth, VoltstepPowerAhead};
+use super::values::{
+    VoltstepPowerAhead, VoltstepSeriesCell, VoltstepSeriesInput, VoltstepSeriesOutputs,
+};
 use crate::handle::{
     answer, check, check_apart, check_optional, exclusive, read_from, write_optional, write_to,
 };
@@ -19,66 +21,6 @@ use crate::status::VoltstepStatus;
 /// Calls of `voltstep_series_power_walk` until the answer is there.
 pub const VOLTSTEP_SERIES_SLICES: usize = 18;
 const _: () = assert!(VOLTSTEP_SERIES_SLICES == SLICES_OF_CELLS);
-
-/// One sample of cells in series.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VoltstepSeriesInput {
-    /// Current of one cell in A, positive when discharging; NaN where there is no usable reading.
-    pub current_a: f32,
-    /// Temperature in degC.
-    pub temperature_c: f32,
-    /// Other than 0: the contactors are open.
-    pub contactors_open: u32,
-}
-
-/// What is believed of cells in series after a sample.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VoltstepSeriesOutputs {
-    /// Of their mean, by the filter.
-    pub estimate: VoltstepEstimate,
-    /// The health of their mean.
-    pub health: VoltstepHealth,
-    /// State of charge of their mean by counting, a ratio 0..1.
-    pub counted_soc: f32,
-    /// Its standard deviation, a ratio.
-    pub counted_soc_sd: f32,
-    /// Lowest state of charge of a cell, a ratio 0..1.
-    pub soc_min: f32,
-    /// Highest state of charge of a cell, a ratio 0..1.
-    pub soc_max: f32,
-    /// Which cell has the lowest.
-    pub soc_min_index: u32,
-    /// Which cell has the highest.
-    pub soc_max_index: u32,
-    /// The filter's standard deviation is below the `converged_sd` of the parameters.
-    pub converged: bool,
-    /// The model's error, and the mean residual beside it, are of the size that is expected.
-    pub consistent: bool,
-    /// The open-circuit curve is flat here: the voltage does not correct.
-    pub flat: bool,
-    /// State of charge or temperature lie outside the identified range.
-    pub outside_identified: bool,
-    /// The temperature is not known; the last one holds.
-    pub temperature_missing: bool,
-}
-
-/// What is believed of one cell in series.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VoltstepSeriesCell {
-    /// State of charge, a ratio 0..1.
-    pub soc: f32,
-    /// Its standard deviation, a ratio.
-    pub soc_sd: f32,
-    /// Its resistance over the mean of all, a ratio.
-    pub resistance_ratio: f32,
-    /// Its standard deviation, a ratio.
-    pub resistance_ratio_sd: f32,
-    /// Its voltage said nothing in the last second.
-    pub held: bool,
-}
 
 /// Starts the estimators of cells in series, 1, 4, 12, 18 or 96 of them, in `memory`: an array of
 /// `words`, at least `VOLTSTEP_SERIES_WORDS + cells * VOLTSTEP_SERIES_WORDS_PER_CELL`, which a copy

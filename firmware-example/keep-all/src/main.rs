@@ -27,15 +27,19 @@ use plant_core::machine::pmsm::{DqLaw, DqWinding, Pmsm, PmsmInput, PmsmState};
 use plant_core::machine::transform::{self, Abc, AlphaBeta, Dq, RotorAngle};
 use plant_core::mechanics::body::{Body, Resistance};
 use plant_core::mechanics::gearbox::Gearbox;
-use plant_core::mechanics::rotational::{Axis, RotationalLoad};
+use plant_core::mechanics::rotational::{Axis, RotAxis, RotationalLoad};
 use plant_core::mechanics::slope::{Grade, Slope, SlopeState};
 use plant_core::mechanics::wheel::Wheel;
 use plant_core::num::{self, SocTable};
 use plant_core::port::{self, Coast, Slip, Source};
 use plant_core::powertrain::ledger::{EnergyLedger, EnergyReport, NoLedger};
 use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::signal::faults::{Drift, Lapse, Noise, Random};
 use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
 use plant_core::signal::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
+use plant_core::thermal::{
+    Conductor, Derating, DriveLosses, ThermalNode, ThermalNodeState, ThermalPair, ThermalPairState,
+};
 use plant_core::{Accum, Dt, Model, ParamError};
 use voltstep_bms::Estimate;
 use voltstep_bms::estimate::cells::{self, CellResistances, Cells};
@@ -58,6 +62,8 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 const CELLS: usize = 18;
 const SENSORS: usize = 4;
 type CellsState = cells::CellsState<CELLS>;
+type SeriesPack = plant_core::battery::SeriesPack<CELLS>;
+type Delay = plant_core::signal::faults::Delay<3>;
 type CellResistancesState = cells::CellResistancesState<CELLS>;
 type Measurements = measure::Measurements<CELLS, SENSORS>;
 type RecordStore = record::RecordStore<flash::Flash>;
@@ -95,7 +101,11 @@ fn components() {
         OverSoc::at, ResistanceMap::at, BranchMap::at, BranchMap::resistance,
         IdentifiedRange::holds, IdentifiedRange::nearest_c,
         OpenCircuit::at, OpenCircuit::mean,
-        OpenCircuit::with_slope, OpenCircuit::soc_at, MappedBatteryParams::constant, RcBranch::new, RcBranch::step,
+        OpenCircuit::with_slope, OpenCircuit::soc_at, MappedBatteryParams::constant,
+        BatteryParams::pack, MappedBatteryParams::pack, SeriesPack::new, SeriesPack::rested, SeriesPack::offer, SeriesPack::limits,
+        SeriesPack::faded, SeriesPack::next, SeriesPack::allows, SeriesPack::settle, SeriesPack::refresh, SeriesPack::cell, SeriesPack::step,
+        <SeriesPack as Pack>::losses, <SeriesPack as Pack>::discharged_energy_j, <SeriesPack as Pack>::set_temperature,
+        <SeriesPack as Pack>::magnitude, <SeriesPack as Pack>::is_outside, RcBranch::new, RcBranch::step,
         Resistance::solve, Body::new, Body::coast, Body::resistance, Body::settle, Body::step,
         Gates::<f32>::modulation, Converter::new, Converter::allowed_duty, Converter::shunt_s,
         Converter::seen_through, Converter::step,
@@ -111,10 +121,16 @@ fn components() {
         transform::averaged_inverter,
         Gearbox::new, Gearbox::coast, Gearbox::loss_ratio, Gearbox::step,
         Wheel::new, Wheel::axle_rad_s, Wheel::coast, Wheel::step,
-        Axis::new, Axis::step,
+        Axis::new, Axis::step, RotAxis::new, RotAxis::coast, RotAxis::step,
+        ThermalNode::new, ThermalNode::step, ThermalNodeState::at, ThermalPair::new, ThermalPair::step,
+        ThermalPairState::at, Derating::checked, Derating::factor, Conductor::checked, Conductor::factor,
+        DriveLosses::checked, DriveLosses::of_dc_machine, DriveLosses::loss_w,
+        DriveLosses::resistance_ohm, DriveLosses::voltage_drop_v,
         RotationalLoad::new, RotationalLoad::solve, RotationalLoad::settle, RotationalLoad::step,
         VoltageSensor::new, VoltageSensor::step, CurrentSensor::new, CurrentSensor::step,
         AxialSpeedSensor::new, AxialSpeedSensor::step,
+        Random::new, Random::bits, Random::ratio, Random::normal, Noise::new, Noise::start, Noise::step,
+        Drift::new, Drift::step, Delay::new, Delay::start, Delay::step, Lapse::new, Lapse::start, Lapse::step,
         Grade::from_sin, Grade::from_ratio, SlopeState::starting_at, SlopeState::starting_on, Slope::new, Slope::step,
     );
 }
@@ -146,7 +162,7 @@ fn numbers() {
         Accum::new, Accum::get, Accum::add, Accum::since, Accum::add_sum, Accum::scaled,
         Accum::clamp,
         num::max, num::min, num::clamp, num::sane, num::sound, num::sign, num::lag_gain, num::sqrt,
-        num::exp, num::floor, num::wrap_turns, num::sin_cos_turns,
+        num::exp, num::ln, num::floor, num::wrap_turns, num::sin_cos_turns,
         SocTable::new, SocTable::from_points, SocTable::at, SocTable::mean, SocTable::values,
         SocTable::is_monotone, SocTable::with_slope,
         Source::stiff, Source::voltage_v, Source::loaded, Coast::plus, Coast::reflected,

@@ -58,11 +58,18 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// Finds the field `a.b.c`; a table that only names a variant may be left out of the path.
+    /// Finds the field `a.b.c`; a table that only names a variant may be left out of the path, a
+    /// number counts the tables of a list.
     pub(crate) fn locate(&self, field: &str) -> Place {
         let mut place = Place { offset: 0, path: Vec::new(), value: None };
         let mut value = &self.root;
         for part in field.split('.') {
+            let listed = part.parse().ok().and_then(|n: usize| value.as_array()?.get(n));
+            if let Some(item) = listed {
+                place.offset = item.span().start;
+                value = item.get_ref();
+                continue;
+            }
             let Some((key, found)) = entry(value, part).or_else(|| {
                 let (variant, inner) = only_entry(value)?;
                 let inside = entry(inner.get_ref(), part)?;
@@ -190,6 +197,20 @@ impl<'de> Deserializer<'de> for Node<'_, '_> {
         .map_err(|fault: Fault| fault.or_at(self.offset, &self.path))
     }
 
+    fn deserialize_u16<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let found = match self.value {
+            DeValue::Float(x) => x.as_str(),
+            DeValue::Integer(n) => match n.as_str().parse::<u16>() {
+                Ok(whole) => return visitor.visit_u16(whole),
+                Err(_) => n.as_str(),
+            },
+            _ => return self.deserialize_any(visitor),
+        };
+        let fault: Fault =
+            de::Error::custom(format!("expected a whole number up to {}, found {found}", u16::MAX));
+        Err(fault.or_at(self.offset, &self.path))
+    }
+
     /// A derived reader would take a list too, by position.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
@@ -260,7 +281,7 @@ impl<'de> Deserializer<'de> for Node<'_, '_> {
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f64 char str string bytes byte_buf unit
+        bool i8 i16 i32 i64 i128 u8 u32 u64 u128 f64 char str string bytes byte_buf unit
         unit_struct seq tuple tuple_struct map identifier ignored_any
     }
 }

@@ -12,13 +12,14 @@ use std::path::Path;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, MappedBatteryParams};
-use plant_core::control::driver::{Driver, DriverParams};
+use plant_core::control::driver::{Driver, DriverParams, TorqueDriver};
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::DcMotorParams;
+use plant_core::machine::pmsm::PmsmParams;
 use plant_core::mechanics::body::BodyParams;
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{DriveParams, PowertrainParams};
+use plant_core::powertrain::{DriveParams, PackParams, PowertrainParams};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
@@ -39,8 +40,10 @@ const BUILT_IN: BuiltIn = BuiltIn {
             "bmw-i3-60ah-epowertrain",
             include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml"),
         ),
+        ("bmw-i3-60ah-pmsm", include_str!("../../data/vehicles/bmw-i3-60ah-pmsm.toml")),
         ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
         ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
+        ("two-axles", include_str!("../../data/vehicles/two-axles.toml")),
     ],
 };
 
@@ -65,6 +68,69 @@ impl VehicleBattery {
     }
 }
 
+/// A drive, whichever machine it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveKind {
+    /// A DC machine.
+    Dc(DriveParams),
+    /// A permanent-magnet synchronous machine.
+    Pmsm(DriveParams<PmsmParams>),
+}
+
+/// The most drives that a file may describe.
+pub const MOST_DRIVES: usize = 4;
+
+/// The drives of a vehicle, at least one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehicleDrives([Option<DriveKind>; MOST_DRIVES]);
+
+impl VehicleDrives {
+    /// In their order; those that are there come first.
+    #[must_use]
+    pub const fn as_slice(&self) -> &[Option<DriveKind>; MOST_DRIVES] {
+        &self.0
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.iter().flatten().count()
+    }
+
+    /// The one of a vehicle that has one, with a DC machine.
+    #[must_use]
+    pub const fn one_dc(&self) -> Option<&DriveParams> {
+        match &self.0 {
+            [Some(DriveKind::Dc(drive)), None, ..] => Some(drive),
+            _ => None,
+        }
+    }
+}
+
+impl From<(DriveParams<PmsmParams>, DriveParams)> for VehicleDrives {
+    fn from((one, two): (DriveParams<PmsmParams>, DriveParams)) -> Self {
+        Self([Some(DriveKind::Pmsm(one)), Some(DriveKind::Dc(two)), None, None])
+    }
+}
+
+impl From<DriveParams<PmsmParams>> for VehicleDrives {
+    fn from(drive: DriveParams<PmsmParams>) -> Self {
+        Self::from(DriveKind::Pmsm(drive))
+    }
+}
+
+impl From<DriveParams> for VehicleDrives {
+    fn from(drive: DriveParams) -> Self {
+        Self::from(DriveKind::Dc(drive))
+    }
+}
+
+impl From<DriveKind> for VehicleDrives {
+    fn from(drive: DriveKind) -> Self {
+        Self([Some(drive), None, None, None])
+    }
+}
+
 /// A vehicle with its driver; its parameters are sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vehicle {
@@ -77,7 +143,7 @@ pub struct Vehicle {
     /// State of charge at the start of a cycle, 0..1.
     pub initial_soc: f32,
     /// The plant.
-    pub powertrain: PowertrainParams<VehicleBattery>,
+    pub powertrain: PowertrainParams<VehicleBattery, VehicleDrives>,
     /// Who drives it.
     pub driver: DriverParams,
 }
@@ -93,13 +159,49 @@ struct VehicleFile {
     battery: BatteryField,
     #[serde(default)]
     auxiliary: AuxiliaryParams,
+    converter: Option<ConverterParams>,
+    motor: Option<DcMotorParams>,
+    pmsm: Option<PmsmParams>,
+    gearbox: Option<GearboxParams>,
     #[serde(default)]
-    converter: ConverterParams,
-    motor: DcMotorParams,
-    gearbox: GearboxParams,
+    drive: Vec<DriveTable>,
     wheel: WheelParams,
     body: BodyParams,
     driver: DriverParams,
+}
+
+/// One of several drives as a file lays it out.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DriveTable {
+    #[serde(default)]
+    converter: ConverterParams,
+    motor: Option<DcMotorParams>,
+    pmsm: Option<PmsmParams>,
+    gearbox: GearboxParams,
+    torque_rate_per_s: Option<f32>,
+    torque_share: Option<f32>,
+}
+
+impl DriveTable {
+    /// The drive, or what is wrong with its machine.
+    fn kind(self) -> Result<DriveKind, &'static str> {
+        fn with<M>(table: &DriveTable, motor: M) -> DriveParams<M> {
+            let params = DriveParams::new(motor, table.gearbox);
+            DriveParams {
+                converter: table.converter,
+                torque_rate_per_s: table.torque_rate_per_s.unwrap_or(params.torque_rate_per_s),
+                torque_share: table.torque_share.unwrap_or(params.torque_share),
+                ..params
+            }
+        }
+        match (self.motor, &self.pmsm) {
+            (Some(motor), None) => Ok(DriveKind::Dc(with(&self, motor))),
+            (None, Some(pmsm)) => Ok(DriveKind::Pmsm(with(&self, *pmsm))),
+            (None, None) => Err("is missing, and there is no `pmsm`"),
+            (Some(_), Some(_)) => Err("stands beside a `pmsm`: only one of both may"),
+        }
+    }
 }
 
 /// Which battery a vehicle's file says it has.
@@ -162,10 +264,12 @@ pub fn load(name_or_path: &str) -> Result<Vehicle, InputError> {
 /// [`InputError`] says what is wrong and where.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
     let document = Document::parse(file, bytes)?;
-    let content = document.read::<VehicleFile>()?;
+    let mut content = document.read::<VehicleFile>()?;
     if !(0.0..=1.0).contains(&content.initial_soc) {
         return Err(document.refusal("initial_soc", "must lie in 0..1"));
     }
+    let several = !content.drive.is_empty();
+    let drives = drives(&document, &mut content)?;
     let vehicle = Vehicle {
         name: content.name,
         description: content.description,
@@ -174,20 +278,61 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         powertrain: PowertrainParams {
             battery: chosen(&document, file, content.battery)?,
             auxiliary: content.auxiliary,
-            drives: DriveParams {
-                converter: content.converter,
-                ..DriveParams::new(content.motor, content.gearbox)
-            },
+            drives,
             wheel: content.wheel,
             body: content.body,
         },
         driver: content.driver,
     };
-    check(&vehicle).map_err(|error| {
-        let field = in_file(&document, error.field());
+    check(&vehicle).map_err(|(error, drive)| {
+        let field = in_file(&document, error.field(), drive.filter(|_| several));
         document.refusal(&field, error.message())
     })?;
+    if vehicle.powertrain.drives.one_dc().is_none()
+        && matches!(vehicle.driver, DriverParams::Duty(_))
+    {
+        let rule = "must drive one DC machine; others want `driver.torque`";
+        return Err(document.refusal("driver.duty", rule));
+    }
     Ok(vehicle)
+}
+
+/// The drives that a vehicle's file describes: one at the top, or a list.
+fn drives(document: &Document<'_>, content: &mut VehicleFile) -> Result<VehicleDrives, InputError> {
+    let tops = [
+        ("converter", content.converter.is_some()),
+        ("motor", content.motor.is_some()),
+        ("pmsm", content.pmsm.is_some()),
+        ("gearbox", content.gearbox.is_some()),
+    ];
+    let mut tables = std::mem::take(&mut content.drive);
+    let several = !tables.is_empty();
+    if several {
+        if let Some((key, _)) = tops.iter().find(|(_, there)| *there) {
+            return Err(document.refusal(key, "belongs into each of the tables [[drive]]"));
+        }
+    } else {
+        let Some(gearbox) = content.gearbox else {
+            return Err(document.refusal("gearbox", "is missing, and there is no table [[drive]]"));
+        };
+        tables.push(DriveTable {
+            converter: content.converter.unwrap_or_default(),
+            motor: content.motor,
+            pmsm: content.pmsm,
+            gearbox,
+            torque_rate_per_s: None,
+            torque_share: None,
+        });
+    }
+    if tables.len() > MOST_DRIVES {
+        return Err(document.refusal("drive", &format!("may stand {MOST_DRIVES} times at most")));
+    }
+    let mut found = [None; MOST_DRIVES];
+    for (n, (place, table)) in found.iter_mut().zip(tables).enumerate() {
+        let at = if several { format!("drive.{n}") } else { "motor".to_owned() };
+        *place = Some(table.kind().map_err(|what| document.refusal(&at, what))?);
+    }
+    Ok(VehicleDrives(found))
 }
 
 /// The battery that a vehicle's file says it has.
@@ -211,23 +356,51 @@ fn chosen(
     })
 }
 
-/// Whether the models take the parameters.
-fn check(vehicle: &Vehicle) -> Result<(), ParamError> {
+/// Whether the models take the parameters; else what they refuse, and of which drive.
+fn check(vehicle: &Vehicle) -> Result<(), (ParamError, Option<usize>)> {
     let plant = vehicle.powertrain;
     match plant.battery {
-        VehicleBattery::Constant(battery) => {
-            plant.with_battery(battery).build(CHECK_DT)?;
-        }
-        VehicleBattery::Mapped(battery) => {
-            plant.with_battery(battery).build(CHECK_DT)?;
-        }
+        VehicleBattery::Constant(battery) => check_with(vehicle, battery),
+        VehicleBattery::Mapped(battery) => check_with(vehicle, battery),
     }
-    Driver::new(vehicle.driver, &plant, CHECK_DT)?;
-    Ok(())
 }
 
-/// A controller does not know where it stands in the file.
-fn in_file(document: &Document<'_>, field: &str) -> String {
+fn check_with(
+    vehicle: &Vehicle,
+    battery: impl PackParams,
+) -> Result<(), (ParamError, Option<usize>)> {
+    let plant = vehicle.powertrain.with_battery(battery);
+    for (n, kind) in plant.drives.as_slice().iter().flatten().enumerate() {
+        let built = match kind {
+            DriveKind::Dc(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
+            DriveKind::Pmsm(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
+        };
+        if let Some(error) = built {
+            return Err((error, Some(n)));
+        }
+    }
+    let refused = match (plant.drives.one_dc(), vehicle.driver) {
+        (Some(drive), driver) => Driver::new(driver, &plant.with_drives(*drive), CHECK_DT).err(),
+        // The plant's sizes do not matter to the check.
+        (None, DriverParams::Torque(driver)) => {
+            TorqueDriver::fitted(driver, 1.0, 1.0, 1.0, CHECK_DT).err()
+        }
+        (None, DriverParams::Duty(_)) => None,
+    };
+    refused.map_or(Ok(()), |error| Err((error, None)))
+}
+
+/// A component does not know where it stands in the file: one of several drives, a controller.
+fn in_file(document: &Document<'_>, field: &str, drive: Option<usize>) -> String {
+    if let Some(n) = drive
+        && let Some((component, key)) = field.split_once('.')
+    {
+        match component {
+            "converter" | "motor" | "pmsm" | "gearbox" => return format!("drive.{n}.{field}"),
+            "drive" => return format!("drive.{n}.{key}"),
+            _ => {}
+        }
+    }
     let Some(key) = field.strip_prefix("pid.") else { return field.to_owned() };
     let places = ["driver.duty", "driver.torque.speed"].map(|table| format!("{table}.{key}"));
     let found = places.into_iter().find(|place| document.locate(place).is_found());

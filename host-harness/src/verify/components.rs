@@ -8,7 +8,8 @@ use plant_core::control::pid::{Pid, PidInput, PidParams, PidState};
 use plant_core::mechanics::body::{Body, BodyInput, BodyState, Road};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxInput, GearboxParams};
 use plant_core::mechanics::rotational::{
-    Axis, AxisInput, AxisState, RotationalLoad, RotationalLoadInput, RotationalLoadState,
+    Axis, AxisInput, AxisState, RotAxis, RotAxisInput, RotAxisParams, RotAxisState, RotationalLoad,
+    RotationalLoadInput, RotationalLoadState,
 };
 use plant_core::mechanics::slope::{Grade, Slope, SlopeInput, SlopeParams, SlopeState};
 use plant_core::mechanics::wheel::{Wheel, WheelInput, WheelParams};
@@ -22,13 +23,14 @@ use super::{Case, Checks};
 const DT: Dt = must!(Dt::from_s(1e-3));
 const DT_S: f64 = 1e-3;
 
-pub(super) const CASES: [Case; 7] = [
+pub(super) const CASES: [Case; 8] = [
     Case { name: "RC branch", models: &["RcBranch"], run: rc },
     Case { name: "battery", models: &["Battery"], run: battery },
     Case { name: "PID", models: &["Pid"], run: pid },
     Case { name: "body, coasting to a stop", models: &["Body"], run: coast },
     Case { name: "body on a slope", models: &["Body", "Slope"], run: slope },
     Case { name: "load on a shaft", models: &["RotationalLoad", "Axis"], run: shaft },
+    Case { name: "shaft with inertia", models: &["RotAxis"], run: shaft_with_inertia },
     Case {
         name: "gearbox, wheel, auxiliary load",
         models: &["Gearbox", "Wheel", "Auxiliary"],
@@ -209,6 +211,29 @@ fn shaft(checks: &mut Checks) -> anyhow::Result<()> {
         angle = f64::from(out.angle_rad);
     }
     checks.against(&t::AXIS_ANGLE, (370.0_f64).rem_euclid(std::f64::consts::TAU), angle);
+    Ok(())
+}
+
+/// A shaft with inertia under a torque that swings: `ω = T̂/(J·w)·(1 − cos w·t)`.
+#[expect(clippy::cast_possible_truncation, reason = "the model computes in f32")]
+fn shaft_with_inertia(checks: &mut Checks) -> anyhow::Result<()> {
+    let shaft = RotAxis::new(RotAxisParams { inertia_kg_m2: 0.2 }, DT)?;
+    let (mut state, mut worst) = (RotAxisState::default(), 0.0_f64);
+    let (largest_nm, swing_rad_s) = (30.0, 5.0);
+    let largest_rad_s = 2.0 * largest_nm / (0.2 * swing_rad_s);
+    let mut out = shaft.step(&mut state, RotAxisInput { driving_nm: 0.0, load_nm: 0.0 });
+    for number in 1..=10_000_u32 {
+        let time = f64::from(number) * DT_S;
+        let swinging_nm = (largest_nm * (swing_rad_s * time).sin()) as f32;
+        let input = RotAxisInput { driving_nm: 7.0 + swinging_nm, load_nm: 7.0 };
+        out = shaft.step(&mut state, input);
+        let exact = 0.5 * largest_rad_s * (1.0 - (swing_rad_s * time).cos());
+        worst = worst.max((f64::from(out.speed_rad_s) - exact).abs());
+    }
+    checks.add(&t::SHAFT_TRAJECTORY, worst / largest_rad_s);
+    let angle = 0.5 * largest_rad_s * (10.0 - (swing_rad_s * 10.0).sin() / swing_rad_s);
+    let exact = angle.rem_euclid(std::f64::consts::TAU);
+    checks.against(&t::SHAFT_ANGLE, exact, f64::from(out.angle_rad));
     Ok(())
 }
 

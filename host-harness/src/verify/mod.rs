@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `parts`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -20,6 +20,7 @@ pub mod endurance;
 pub mod experiment;
 mod field_oriented;
 mod motor;
+mod parts;
 mod pmsm;
 mod sampled;
 mod sampled_vehicle;
@@ -195,6 +196,7 @@ fn cases() -> Vec<Case> {
     cases.extend(sampled::CASES);
     cases.extend(sampled_vehicle::CASES);
     cases.extend(components::CASES);
+    cases.extend(parts::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases

@@ -1,5 +1,8 @@
 //! Sources and sensors against what they are defined as.
 
+use plant_core::signal::faults::{
+    Delay, Drift, DriftParams, DriftState, Lapse, LapseKind, LapseParams, Noise, NoiseParams,
+};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorParams, AxialSpeedSensorState,
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
@@ -17,7 +20,7 @@ use crate::read::cycle;
 
 const DT: Dt = must!(Dt::from_s(1e-3));
 
-pub(super) const CASES: [Case; 3] = [
+pub(super) const CASES: [Case; 4] = [
     Case { name: "sine and square", models: &["Sine", "Square"], run: waves },
     Case {
         name: "step, ramp, table, delay, saturation",
@@ -29,6 +32,7 @@ pub(super) const CASES: [Case; 3] = [
         models: &["VoltageSensor", "CurrentSensor", "AxialSpeedSensor"],
         run: sensors,
     },
+    Case { name: "sensor faults", models: &["Noise", "Drift", "Delay", "Lapse"], run: faults },
 ];
 
 /// The largest difference over `steps` instants, each a whole number of the step in f32.
@@ -98,6 +102,43 @@ fn edges(checks: &mut Checks) -> anyhow::Result<()> {
     }
     checks.add(&t::EXACT, late);
     checks.add(&t::EXACT, held);
+    Ok(())
+}
+
+/// What faults do to a value of 10 over 100 000 samples: the figures of their distributions.
+fn faults(checks: &mut Checks) -> anyhow::Result<()> {
+    const SAMPLES: u32 = 100_000;
+    let noise = Noise::new(NoiseParams { sd: 0.5, seed: 1 })?;
+    let drift = Drift::new(DriftParams { per_s: 1e-3, largest: 1.0 }, DT)?;
+    let missing = LapseParams {
+        kind: LapseKind::Missing,
+        from_s: 10.0,
+        chance: 0.02,
+        length_s: 5e-3,
+        seed: 2,
+    };
+    let (gaps, late) = (Lapse::new(missing, DT)?, Delay::<5>::new()?);
+    let (mut n, mut d) = (noise.start(), DriftState::default());
+    let (mut g, mut l) = (gaps.start(), late.start(0.0)?);
+    let (mut sum, mut squares, mut lost, mut off) = (0.0, 0.0, 0_u32, 0.0_f64);
+    let (mut drifted, mut sent) = (0.0, Vec::new());
+    for _ in 0..SAMPLES {
+        let noisy = noise.step(&mut n, 10.0).value;
+        let deviation = f64::from(noisy) - 10.0;
+        (sum, squares) = (sum + deviation, squares + deviation * deviation);
+        drifted = f64::from(drift.step(&mut d, 10.0).value);
+        lost += u32::from(gaps.step(&mut g, noisy).missing);
+        sent.push(noisy);
+        let read = late.step(&mut l, noisy).value;
+        let then = sent.len().checked_sub(6).map_or(0.0, |k| sent[k]);
+        off = off.max(f64::from(read - then).abs());
+    }
+    let count = f64::from(SAMPLES);
+    checks.against(&t::NOISE_MEAN, 0.0, sum / count);
+    checks.against(&t::NOISE_SD, 0.5, (squares / count).sqrt());
+    checks.against(&t::DRIFT, 10.0 + 0.1, drifted);
+    checks.against(&t::MISSING, 5.0 / 54.0, f64::from(lost) / (count - 10_000.0));
+    checks.add(&t::EXACT, off);
     Ok(())
 }
 

@@ -182,21 +182,6 @@ impl Ends {
     pub(super) const fn are_near(&self, soc: Real) -> bool {
         soc < min(self.low, NEAR) || soc > max(self.high, 1.0 - NEAR)
     }
-
-    /// Whether a step from `soc` under `current_a` at `terminal_v`, and under `least_a` at `least_v`,
-    /// keeps what [`faded`](Self::faded) and [`at_voltages`](Self::at_voltages) leave.
-    pub(super) const fn allow(
-        &self,
-        soc: Real,
-        (current_a, terminal_v): (Real, Real),
-        (least_a, least_v): (Real, Real),
-    ) -> bool {
-        let faded = self.faded(soc);
-        current_a <= faded.discharge_a
-            && -least_a <= faded.charge_a
-            && (current_a <= 0.0 || terminal_v >= self.voltage.lowest_v)
-            && (least_a >= 0.0 || least_v <= self.voltage.highest_v)
-    }
 }
 
 #[cfg(test)]

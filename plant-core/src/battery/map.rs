@@ -98,16 +98,22 @@ impl ResistanceMap {
     #[must_use]
     pub fn at(&self, soc: Real, temperature_c: Real) -> Real {
         let base = self.resistance_ohm.at(soc);
-        if self.activation_k > 0.0 { base * self.factor(temperature_c) } else { base }
+        if self.activation_k > 0.0 {
+            base * temperature_factor(self.activation_k, temperature_c)
+        } else {
+            base
+        }
     }
+}
 
-    /// The factor of the temperature.
-    fn factor(&self, temperature_c: Real) -> Real {
-        let kelvin = temperature_c + KELVIN_AT_0_C;
-        let reference = REFERENCE_C + KELVIN_AT_0_C;
-        // One quotient: the difference of two inverses would lose digits.
-        exp(self.activation_k * (REFERENCE_C - temperature_c) / (kelvin * reference))
-    }
+/// How many times larger a resistance with this activation temperature \[K\] is at a temperature
+/// \[°C\] than at 25 °C \[Arrhenius1889\].
+#[must_use]
+pub fn temperature_factor(activation_k: Real, temperature_c: Real) -> Real {
+    let kelvin = temperature_c + KELVIN_AT_0_C;
+    let reference = REFERENCE_C + KELVIN_AT_0_C;
+    // One quotient: the difference of two inverses would lose digits.
+    exp(activation_k * (REFERENCE_C - temperature_c) / (kelvin * reference))
 }
 
 /// One RC branch whose resistance depends on state of charge and temperature and whose time

@@ -8,6 +8,10 @@
 //! Tests: `tests` below; property `mapped`; cases "battery with maps", "UDDS, bmw-i3-60ah with its
 //! battery map".
 
+mod state;
+
+pub use state::{MappedBatteryInput, MappedBatteryOutput, MappedBatteryState, Resistances};
+
 use super::limits::Ends;
 use super::map::{COLDEST_C, HOTTEST_C, MappedBatteryParams, is_possible, temperature};
 use super::{CurrentLimits, OpenCircuit, SOC_MARGIN};
@@ -46,100 +50,16 @@ use crate::port::Source;
 pub struct MappedBattery {
     pub(super) params: MappedBatteryParams,
     gains: [Real; 2],
-    soc_per_a: Real,
+    pub(super) soc_per_a: Real,
     a_per_soc: Real,
     pub(super) capacity_c: Real,
-    dt_s: Real,
-    refresh_steps: u32,
+    pub(super) dt_s: Real,
+    pub(super) refresh_steps: u32,
     /// K per J of heat over one refresh, and the share of the difference to the surroundings that
     /// is lost in it.
     warming_k_per_j: Real,
     cooling_gain: Real,
-    ends: Ends,
-}
-
-/// The resistances at an operating point \[Ω\].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Resistances {
-    /// In series.
-    pub series_ohm: Real,
-    /// Of the RC branches, the faster first.
-    pub polarisation_ohm: [Real; 2],
-}
-
-/// The state of a [`MappedBattery`]; [`MappedBattery::rested`] makes one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct MappedBatteryState {
-    /// State of charge, 0..1. May be set from an estimate; what lies outside is held at the end.
-    pub soc: Accum,
-    /// Voltage across the RC branches, positive when discharging \[V\].
-    pub polarisation_v: [Accum; 2],
-    /// Where between the curves of discharge (−1) and charge (1) the open-circuit voltage lies.
-    pub hysteresis: Accum,
-    /// Temperature \[°C\]; may be set between steps where it is measured.
-    pub temperature_c: Accum,
-    /// Temperature of the surroundings \[°C\]; may be set between steps. One that is not finite or
-    /// absurd is ignored: the last good one holds.
-    pub ambient_c: Real,
-    /// The last good one \[°C\].
-    surroundings_c: Real,
-    /// Heat since the last refresh \[J\].
-    heat_j: Real,
-    /// The resistances since then.
-    pub(super) now: Resistances,
-    /// The part of the battery that acts as a resistance within one step \[Ω\].
-    source_ohm: Real,
-    steps_left: u32,
-    pub(super) outside: bool,
-}
-
-impl MappedBatteryState {
-    /// The sum of the magnitudes of what a step changes beside the state of charge.
-    #[inline]
-    pub(super) const fn magnitude(&self) -> Real {
-        let [fast_v, slow_v] = &self.polarisation_v;
-        fast_v.get().abs() + slow_v.get().abs() + self.heat_j.abs()
-    }
-}
-
-/// Input of a [`MappedBattery`] that steps on its own: the current imposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MappedBatteryInput {
-    /// Current \[A\], positive when discharging.
-    pub current_a: Real,
-}
-
-/// Output of one step of a [`MappedBattery`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
-pub struct MappedBatteryOutput {
-    /// State of charge, 0..1.
-    pub soc: Real,
-    /// Voltage at the terminals \[V\].
-    pub terminal_v: Real,
-    /// Open-circuit voltage over the step, without hysteresis \[V\].
-    pub open_circuit_v: Real,
-    /// The current that flowed \[A\], positive when discharging.
-    pub current_a: Real,
-    /// Charge of this step that the limits or the state of charge refused \[C\]; positive where
-    /// discharge was refused, negative where charge was.
-    pub refused_charge_c: Real,
-    /// Heat, `(OCV − V)·I` \[W\]; it includes what the RC branches store for a while.
-    pub heat_w: Real,
-    /// Temperature \[°C\].
-    pub temperature_c: Real,
-    /// Nothing is left to discharge.
-    pub depleted: bool,
-    /// Nothing more can be charged.
-    pub full: bool,
-    /// State of charge or temperature lie outside what the parameters were identified for: those
-    /// of the nearest end hold.
-    pub outside_identified: bool,
-    /// The input was not finite or absurd; the state is unchanged.
-    pub rejected: bool,
+    pub(super) ends: Ends,
 }
 
 impl MappedBattery {
@@ -157,11 +77,7 @@ impl MappedBattery {
             reason = "held in 1..2^31 first"
         )]
         let refresh_steps = clamp(steps + 0.5, 1.0, 2_147_483_648.0) as u32;
-        #[cfg_attr(
-            not(feature = "twin-f64"),
-            expect(clippy::cast_precision_loss, reason = "a length of time")
-        )]
-        let refresh_s = refresh_steps as Real * dt.s();
+        let refresh_s = length_s(refresh_steps, dt.s());
         let capacity_j_per_k = params.thermal.heat_capacity_j_per_k;
         let cooling_gain = gain(refresh_s / capacity_j_per_k * params.thermal.cooling_w_per_k);
         let mut limited = params;
@@ -226,8 +142,13 @@ impl MappedBattery {
             steps_left: self.refresh_steps,
             outside: false,
         };
-        self.follow(&mut state);
+        self.follow(&mut state, 1.0);
         Ok(state)
+    }
+
+    /// How often resistances and temperature follow, a whole number of steps \[s\].
+    pub(super) const fn refresh_s(&self) -> Real {
+        length_s(self.refresh_steps, self.dt_s)
     }
 
     /// Its parameters.
@@ -258,7 +179,7 @@ impl MappedBattery {
         let taken = is_possible(temperature_c);
         if taken {
             state.temperature_c = Accum::new(temperature_c);
-            self.follow(state);
+            self.follow(state, 1.0);
         }
         taken
     }
@@ -268,11 +189,16 @@ impl MappedBattery {
     #[must_use]
     pub fn offer(&self, state: &MappedBatteryState) -> (Source, Real) {
         let open_circuit_v = self.params.open_circuit.at(state.soc.get());
-        let [fast_v, slow_v] = state.polarisation_v;
-        let held_v = (fast_v.get() - self.gains[0] * fast_v.get())
-            + (slow_v.get() - self.gains[1] * slow_v.get());
-        let emf_v = open_circuit_v + self.hysteresis_v(state) - held_v;
+        let emf_v = open_circuit_v + self.hysteresis_v(state) - self.held_v(state);
         (Source { emf_v, resistance_ohm: state.source_ohm }, open_circuit_v)
+    }
+
+    /// What the branches hold after a step without current \[V\].
+    #[inline]
+    const fn held_v(&self, state: &MappedBatteryState) -> Real {
+        let [fast_v, slow_v] = &state.polarisation_v;
+        (fast_v.get() - self.gains[0] * fast_v.get())
+            + (slow_v.get() - self.gains[1] * slow_v.get())
     }
 
     /// What hysteresis adds to the open-circuit voltage \[V\].
@@ -285,24 +211,42 @@ impl MappedBattery {
     #[inline]
     #[must_use]
     pub fn limits(&self, state: &MappedBatteryState) -> CurrentLimits {
-        self.limits_of(state, || self.offer(state).0)
-    }
-
-    /// The same, where what the terminals offer may be known already.
-    #[inline(always)]
-    fn limits_of(&self, state: &MappedBatteryState, source: impl Fn() -> Source) -> CurrentLimits {
         let soc = state.soc.get();
         let limits = CurrentLimits {
             discharge_a: min(self.params.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
             charge_a: min(self.params.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
         };
-        if self.ends.cut_off() { limits.within(self.ends.at_voltages(source())) } else { limits }
+        if self.ends.cut_off() {
+            let held_v = self.held_v(state) - self.hysteresis_v(state);
+            limits.within(self.at_voltages(soc, held_v, state.source_ohm))
+        } else {
+            limits
+        }
+    }
+
+    /// What the voltages leave where the branches hold `held_v` without current.
+    #[cold]
+    #[inline(never)]
+    fn at_voltages(&self, soc: Real, held_v: Real, resistance_ohm: Real) -> CurrentLimits {
+        let emf_v = self.params.open_circuit.at(soc) - held_v;
+        self.ends.at_voltages(Source { emf_v, resistance_ohm })
     }
 
     /// The state after one step under `current_a`, whatever the limits say.
     #[inline]
     #[must_use]
     pub fn next(&self, state: &MappedBatteryState, current_a: Real) -> MappedBatteryState {
+        self.next_by(state, current_a, current_a * self.soc_per_a)
+    }
+
+    /// The same where the state of charge falls by `soc_drop`: in a cell of another capacity.
+    #[inline(always)]
+    pub(super) fn next_by(
+        &self,
+        state: &MappedBatteryState,
+        current_a: Real,
+        soc_drop: Real,
+    ) -> MappedBatteryState {
         let mut next = *state;
         let mut overpotential_v = state.now.series_ohm * current_a - self.hysteresis_v(state);
         for ((voltage_v, gain), ohm) in
@@ -311,7 +255,6 @@ impl MappedBattery {
             voltage_v.add(gain * (ohm * current_a - voltage_v.get()));
             overpotential_v += voltage_v.get();
         }
-        let soc_drop = current_a * self.soc_per_a;
         next.soc.add(-soc_drop);
         if self.params.hysteresis.half_gap_v > 0.0 {
             let share = self.hysteresis_share(soc_drop);
@@ -339,9 +282,10 @@ impl MappedBattery {
             && least_a >= -self.params.charge_limit_a
             && (self.ends.are_far(next.soc.get()) || {
                 let [fast_v, slow_v] = next.polarisation_v;
-                let drop_v = next.now.series_ohm * current_a + (fast_v.get() + slow_v.get());
+                let branches_ohm = next.source_ohm - next.now.series_ohm;
+                let held_v = fast_v.get() + slow_v.get() - branches_ohm * current_a;
                 let (soc, hysteresis) = (next.soc.get(), next.hysteresis.get());
-                self.ends_allow(current_a, least_a, soc, hysteresis, drop_v, next.source_ohm)
+                self.ends_allow(current_a, least_a, soc, hysteresis, held_v, next.source_ohm)
             })
     }
 
@@ -354,7 +298,7 @@ impl MappedBattery {
         least_a: Real,
         next_soc: Real,
         next_hysteresis: Real,
-        drop_v: Real,
+        held_v: Real,
         source_ohm: Real,
     ) -> bool {
         if self.ends.are_near(next_soc) {
@@ -362,15 +306,16 @@ impl MappedBattery {
         }
         let soc_drop = current_a * self.soc_per_a;
         let soc = next_soc + soc_drop;
-        // Hysteresis acts as it was before the step; where it may have been anything, the answer is
-        // no, and the limits themselves are looked at.
-        let share = self.hysteresis_share(soc_drop);
-        let hysteresis = (next_hysteresis + share * sign(current_a)) / (1.0 - share);
-        let terminal_v = self.params.open_circuit.at(soc)
-            + self.params.hysteresis.half_gap_v * hysteresis
-            - drop_v;
-        let least_v = terminal_v + source_ohm * (current_a - least_a);
-        self.ends.allow(soc, (current_a, terminal_v), (least_a, least_v))
+        let mut limits = self.ends.faded(soc);
+        if self.ends.cut_off() {
+            // Hysteresis acts as it was before the step; where it may have been anything, the answer
+            // is no, and the limits themselves are looked at.
+            let share = self.hysteresis_share(soc_drop);
+            let hysteresis = (next_hysteresis + share * sign(current_a)) / (1.0 - share);
+            let held_v = held_v - self.params.hysteresis.half_gap_v * hysteresis;
+            limits = limits.within(self.at_voltages(soc, held_v, source_ohm));
+        }
+        current_a <= limits.discharge_a && -least_a <= limits.charge_a
     }
 
     /// How far a change of the state of charge moves the hysteresis.
@@ -401,14 +346,26 @@ impl MappedBattery {
     #[cold]
     #[inline(never)]
     fn warm(&self, state: &mut MappedBatteryState) {
+        Self::look_around(state);
+        let above_k = state.temperature_c.get() - state.surroundings_c;
+        let increment_k = self.warming_k_per_j * state.heat_j - self.cooling_gain * above_k;
+        Self::warm_by(state, increment_k);
+        state.steps_left = self.refresh_steps;
+        self.follow(state, 1.0);
+    }
+
+    /// Takes the temperature of the surroundings, and a temperature where there was none.
+    pub(super) fn look_around(state: &mut MappedBatteryState) {
         if is_possible(state.ambient_c) {
             state.surroundings_c = state.ambient_c;
         }
         if state.temperature_c.get().is_nan() {
             state.temperature_c = Accum::new(state.surroundings_c);
         }
-        let above_k = state.temperature_c.get() - state.surroundings_c;
-        let increment_k = self.warming_k_per_j * state.heat_j - self.cooling_gain * above_k;
+    }
+
+    /// What the heat since the last refresh came to.
+    pub(super) fn warm_by(state: &mut MappedBatteryState, increment_k: Real) {
         // Held where any battery has long burnt: the exponential stays finite.
         let celsius = state.temperature_c.get() + increment_k;
         if is_possible(celsius) {
@@ -417,14 +374,18 @@ impl MappedBattery {
             state.temperature_c = Accum::new(clamp(celsius, COLDEST_C, HOTTEST_C));
         }
         state.heat_j = 0.0;
-        state.steps_left = self.refresh_steps;
-        self.follow(state);
     }
 
-    /// Brings the resistances up to state of charge and temperature.
-    fn follow(&self, state: &mut MappedBatteryState) {
+    /// Brings the resistances up to state of charge and temperature; `ratio` is that of a cell with
+    /// other resistances.
+    pub(super) fn follow(&self, state: &mut MappedBatteryState, ratio: Real) {
         let (soc, celsius) = (state.soc.get(), state.temperature_c.get());
-        state.now = self.resistances(soc, celsius);
+        let Resistances { series_ohm, polarisation_ohm: [fast, slow] } =
+            self.resistances(soc, celsius);
+        state.now = Resistances {
+            series_ohm: ratio * series_ohm,
+            polarisation_ohm: [ratio * fast, ratio * slow],
+        };
         let [fast, slow] = state.now.polarisation_ohm;
         state.source_ohm = state.now.series_ohm + self.gains[0] * fast + self.gains[1] * slow;
         // Held at an end of what is possible, it is no temperature that parameters are known for.
@@ -447,7 +408,7 @@ impl MappedBattery {
         input: MappedBatteryInput,
     ) -> MappedBatteryOutput {
         let (source, open_circuit_v) = self.offer(state);
-        let limits = self.limits_of(state, || source);
+        let limits = self.limits(state);
         let mut wanted_a = input.current_a;
         let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
         let mut next = *state;
@@ -474,6 +435,14 @@ impl MappedBattery {
             rejected,
         }
     }
+}
+
+#[cfg_attr(
+    not(feature = "twin-f64"),
+    expect(clippy::cast_precision_loss, reason = "a length of time")
+)]
+const fn length_s(steps: u32, dt_s: Real) -> Real {
+    steps as Real * dt_s
 }
 
 /// The gain of an implicit lag; 1 where the quotient overflows.

@@ -5,23 +5,25 @@
 //! `dSOC/dt = −I/(3600·Q)`, `C·dV_rc/dt = I − V_rc/R_p`, `V = V_oc(SOC) − R_s·I − V_rc`.
 //!
 //! [`MappedBattery`] has parameters over state of charge and temperature, a second branch,
-//! hysteresis and a thermal node. Either can sit in the coupled plant, which asks of it what
-//! [`Pack`] says.
+//! hysteresis and a thermal node. [`SeriesPack`] is a row of these that are not alike. Each can sit in
+//! the coupled plant, which asks of it what [`Pack`] says.
 //!
 //! Tests: `tests` below; properties `charge`, `finite`, `monotony`, `refusal`; order of convergence
 //! in `tests/tests/order.rs`; case "battery".
 
+mod cells;
 mod limits;
 mod map;
 mod mapped;
 mod open_circuit;
 mod pack;
 mod rc;
+mod series_pack;
 
 pub use limits::{CurrentLimits, VoltageLimits};
 pub use map::{
     BranchMap, HysteresisParams, IdentifiedRange, MappedBatteryParams, OverSoc, REFERENCE_C,
-    ResistanceMap, ThermalParams,
+    ResistanceMap, ThermalParams, temperature_factor,
 };
 pub use mapped::{
     MappedBattery, MappedBatteryInput, MappedBatteryOutput, MappedBatteryState, Resistances,
@@ -29,6 +31,9 @@ pub use mapped::{
 pub use open_circuit::OpenCircuit;
 pub use pack::{Losses, Pack};
 pub use rc::{RcBranch, RcBranchInput, RcBranchOutput, RcBranchParams, RcBranchState};
+pub use series_pack::{
+    CellSpread, SeriesPack, SeriesPackInput, SeriesPackOutput, SeriesPackParams, SeriesPackState,
+};
 
 use crate::error::{ParamError, check, limit, positive, ratio};
 use crate::model::{Dt, impl_model};
@@ -219,18 +224,24 @@ impl Battery {
     #[inline]
     #[must_use]
     pub fn limits(&self, state: &BatteryState) -> CurrentLimits {
-        self.limits_of(state, || self.offer(state).0)
-    }
-
-    /// The same, where what the terminals offer may be known already.
-    #[inline(always)]
-    fn limits_of(&self, state: &BatteryState, source: impl Fn() -> Source) -> CurrentLimits {
         let soc = state.soc.get();
         let limits = CurrentLimits {
             discharge_a: min(self.discharge_limit_a, max(soc, 0.0) * self.a_per_soc),
             charge_a: min(self.charge_limit_a, max(1.0 - soc, 0.0) * self.a_per_soc),
         };
-        if self.ends.cut_off() { limits.within(self.ends.at_voltages(source())) } else { limits }
+        if self.ends.cut_off() {
+            limits.within(self.at_voltages(soc, self.rc.offer_v(&state.rc)))
+        } else {
+            limits
+        }
+    }
+
+    /// What the voltages leave where the branch holds `held_v` without current.
+    #[cold]
+    #[inline(never)]
+    fn at_voltages(&self, soc: Real, held_v: Real) -> CurrentLimits {
+        let emf_v = self.open_circuit.at(soc) - held_v;
+        self.ends.at_voltages(Source { emf_v, resistance_ohm: self.source_resistance_ohm })
     }
 
     /// The state after one step under `current_a`, whatever the limits say.
@@ -271,9 +282,12 @@ impl Battery {
             return false;
         }
         let soc = next_soc + current_a * self.soc_per_a;
-        let terminal_v = self.open_circuit.at(soc) - self.series_resistance_ohm * current_a - rc_v;
-        let least_v = terminal_v + self.source_resistance_ohm * (current_a - least_a);
-        self.ends.allow(soc, (current_a, terminal_v), (least_a, least_v))
+        let mut limits = self.ends.faded(soc);
+        if self.ends.cut_off() {
+            let held_v = rc_v - self.rc.implicit_ohm() * current_a;
+            limits = limits.within(self.at_voltages(soc, held_v));
+        }
+        current_a <= limits.discharge_a && -least_a <= limits.charge_a
     }
 
     /// Books one step under `current_a`, which [`limits`](Self::limits) allow. Returns what was
@@ -323,7 +337,7 @@ impl Battery {
     #[inline]
     pub fn step(&self, state: &mut BatteryState, input: BatteryInput) -> BatteryOutput {
         let (source, open_circuit_v) = self.offer(state);
-        let limits = self.limits_of(state, || source);
+        let limits = self.limits(state);
         let mut wanted_a = input.current_a;
         let mut current_a = clamp(wanted_a, -limits.charge_a, limits.discharge_a);
         let mut next = *state;

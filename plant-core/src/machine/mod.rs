@@ -218,7 +218,7 @@ pub trait Machine: Copy {
     fn output(&self, state: &Self::State, link: &Self::Link, speed_m_s: Real) -> Self::Output;
     /// The torque at the end of a step \[N·m\].
     fn torque_nm(output: &Self::Output) -> Real;
-    /// Duty and winding current \[A\] of a machine that has one of each; else 0.
+    /// Duty and winding current \[A\]; of three phases the lengths of both.
     fn duty_and_current(output: &Self::Output) -> (Real, Real);
     /// What the ledger books, without the factors.
     fn flows(

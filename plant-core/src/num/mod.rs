@@ -123,6 +123,16 @@ pub fn exp(x: Real) -> Real {
     return libm::exp(x);
 }
 
+/// Natural logarithm.
+#[inline]
+#[must_use]
+pub fn ln(x: Real) -> Real {
+    #[cfg(not(feature = "twin-f64"))]
+    return libm::logf(x);
+    #[cfg(feature = "twin-f64")]
+    return libm::log(x);
+}
+
 /// The largest whole number not above `x`.
 #[inline]
 #[must_use]

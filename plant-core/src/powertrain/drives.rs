@@ -102,6 +102,19 @@ impl<D: Copy> Axles<D> {
     }
 }
 
+impl<D> Axles<D> {
+    /// The same axles, their drives told apart otherwise, as where a file says which there are.
+    #[must_use]
+    pub fn map<E>(self, drives: impl FnOnce(D) -> E) -> Axles<E> {
+        Axles {
+            drives: drives(self.drives),
+            coast: self.coast,
+            has_gear_loss: self.has_gear_loss,
+            constant_loss_w: self.constant_loss_w,
+        }
+    }
+}
+
 /// What a drive is made of beside its machine.
 struct Chain {
     converter: ConverterParams,
@@ -177,6 +190,8 @@ impl DriveParams<PmsmParams> {
 /// What a set of limits leaves to each drive.
 #[derive(Clone, Copy, Debug)]
 pub struct Shares {
+    /// There is one drive.
+    alone: bool,
     wishes: Wishes,
     /// What all together may take from the bus, at least and at most \[W\].
     lowest_w: Real,
@@ -232,12 +247,23 @@ impl Wishes {
         highest_w: Real,
         bus_v: Real,
         bus_ohm: Real,
+        alone: bool,
     ) -> Shares {
-        Shares { wishes: self, lowest_w, highest_w, bus_v, bus_ohm }
+        Shares { alone, wishes: self, lowest_w, highest_w, bus_v, bus_ohm }
     }
 }
 
 impl Shares {
+    /// For one drive: all.
+    const fn all(&self) -> Bounds {
+        Bounds {
+            lowest_w: self.lowest_w,
+            highest_w: self.highest_w,
+            bus_v: self.bus_v,
+            bus_ohm: self.bus_ohm,
+        }
+    }
+
     /// Those that feed, or draw, too much share what there is in proportion to it; what is left over
     /// anyone may have.
     fn bounds(&self, wish: Wish) -> Bounds {
@@ -291,7 +317,8 @@ pub trait Drives: Copy {
     type Rises: Copy;
     /// What a step says of them.
     type Output: Copy;
-    /// How often the currents within a limit are sought: the drives move one another's road.
+    /// How often the currents within a limit are sought: the drives move one another's road. Once
+    /// where there is one, which has the bus for itself.
     const PASSES: u32;
     /// One of them has three phases.
     const THREE_PHASE: bool;
@@ -352,7 +379,7 @@ pub trait Drives: Copy {
     fn output(&self, state: &Self::State, link: &Self::Link, speed_m_s: Real) -> Self::Output;
     /// All torques, as felt at the shaft of the first motor \[N·m\].
     fn torque_nm(&self, output: &Self::Output) -> Real;
-    /// See [`Machine::duty_and_current`]; of several drives, 0.
+    /// See [`Machine::duty_and_current`]; of several drives, those of the first.
     fn duty_and_current(output: &Self::Output) -> (Real, Real);
     /// See [`Machine::flows`].
     fn flows(
@@ -550,8 +577,12 @@ impl<M: Machine> Drives for Drive<M> {
             speed_m_s: mode.coasting_m_s + mode.mobility * others_n,
             mobility: mode.mobility,
         };
-        let carried = self.machine.within_winding(state, want);
-        let bounds = shares.bounds(self.machine.wish(state, link, carried, mode.ended_m_s()));
+        let bounds = if shares.alone {
+            shares.all()
+        } else {
+            let carried = self.machine.within_winding(state, want);
+            shares.bounds(self.machine.wish(state, link, carried, mode.ended_m_s()))
+        };
         self.machine.hold(state, link, want, footing, &bounds)
     }
 
@@ -676,8 +707,8 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
     }
 
     #[inline(always)]
-    fn duty_and_current(_output: &Self::Output) -> (Real, Real) {
-        (0.0, 0.0)
+    fn duty_and_current(output: &Self::Output) -> (Real, Real) {
+        A::duty_and_current(&output.0)
     }
 
     #[inline(always)]

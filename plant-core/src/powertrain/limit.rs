@@ -7,7 +7,7 @@
 //!
 //! Tests: those of the powertrain over many steps; property `limits`.
 
-use super::drives::{Drives, Mode};
+use super::drives::{Drives, Mode, Wishes};
 use super::solve::{Loads, Walk};
 use super::{Limited, Powertrain, PowertrainState};
 use crate::battery::{CurrentLimits, Pack};
@@ -119,8 +119,13 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             let slip = motion.slip;
             let mode =
                 mode(resistance, v, slip, self.drives.force(&state.drives, link, rises).effort);
-            let wishes = self.drives.wishes(&state.drives, link, carried, mode.ended_m_s());
-            let shares = wishes.shares(lowest_w, highest_w, bus.emf_v, bus.resistance_ohm);
+            let alone = D::PASSES == 1;
+            let wishes = if alone {
+                Wishes::default()
+            } else {
+                self.drives.wishes(&state.drives, link, carried, mode.ended_m_s())
+            };
+            let shares = wishes.shares(lowest_w, highest_w, bus.emf_v, bus.resistance_ohm, alone);
             (rises, held) = self.drives.hold(&state.drives, link, wants, rises, &mode, &shares);
             motion = resistance.solve(self.drives.force(&state.drives, link, rises), v);
             if motion.slip == slip && pass >= D::PASSES {

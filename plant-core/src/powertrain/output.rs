@@ -75,7 +75,7 @@ pub struct PowertrainOutput<O = DcDriveOutput> {
 pub struct Feedback {
     /// Speed \[m/s\].
     pub speed_m_s: Real,
-    /// Winding current of a DC machine \[A\].
+    /// Winding current \[A\] of the first motor, of three phases its length.
     pub motor_a: Real,
     /// Torque of the motor, or of all as felt at the shaft of the first \[N·m\].
     pub motor_nm: Real,

@@ -3,8 +3,10 @@
 //! `voltstep` reads the same vehicles from `data/vehicles/*.toml`; a test keeps the two equal.
 
 mod batteries;
+mod table_5_2;
 
 pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
+pub use table_5_2::{BMW_I3_60AH_TABLE_5_2, EPOWERTRAIN_TABLE_5_2, IdentifiedAt};
 
 use crate::auxiliary::AuxiliaryParams;
 use crate::battery::{

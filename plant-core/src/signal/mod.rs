@@ -1,4 +1,5 @@
-//! Inputs over time, and what a sensor makes of a value.
+//! Inputs over time, what a sensor makes of a value, and what goes wrong with it.
 
+pub mod faults;
 pub mod sensors;
 pub mod sources;

@@ -1,5 +1,6 @@
 //! No input and no permitted parameter makes a component infinite.
 
+use plant_core::Real;
 use plant_core::auxiliary::{Auxiliary, AuxiliaryInput};
 use plant_core::battery::{Battery, BatteryInput, BatteryState};
 use plant_core::battery::{RcBranch, RcBranchInput, RcBranchState};
@@ -13,13 +14,21 @@ use plant_core::mechanics::body::{Body, BodyInput, BodyState, Road};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxInput};
 use plant_core::mechanics::rotational::{Axis, AxisInput, AxisState};
 use plant_core::mechanics::rotational::{
-    RotationalLoad, RotationalLoadInput, RotationalLoadParams, RotationalLoadState,
+    RotAxis, RotAxisInput, RotAxisParams, RotAxisState, RotationalLoad, RotationalLoadInput,
+    RotationalLoadParams, RotationalLoadState,
 };
 use plant_core::mechanics::slope::{Grade, Slope, SlopeInput, SlopeParams, SlopeState};
 use plant_core::mechanics::wheel::{Wheel, WheelInput};
+use plant_core::signal::faults::{
+    Delay, Drift, DriftParams, DriftState, Lapse, LapseKind, LapseParams, Noise, NoiseParams,
+};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorInput, AxialSpeedSensorParams, AxialSpeedSensorState,
     CurrentSensor, CurrentSensorInput, SensorParams, VoltageSensor, VoltageSensorInput,
+};
+use plant_core::thermal::{
+    ThermalNode, ThermalNodeInput, ThermalNodeParams, ThermalNodeState, ThermalPair,
+    ThermalPairInput, ThermalPairParams, ThermalPairState,
 };
 use proptest::prelude::*;
 
@@ -267,6 +276,18 @@ fn axis() {
     );
 }
 
+#[test]
+fn shaft_with_inertia() {
+    let model = some(PERMITTED, |d| (RotAxisParams { inertia_kg_m2: d.near(0.1) }, d.dt()));
+    check(768, (model, inputs([signed(300.0), signed(300.0)])), |((params, dt), inputs)| {
+        let model = RotAxis::new(params, dt).unwrap();
+        keeps(RotAxisState::default(), &inputs, |s, [driving_nm, load_nm]| {
+            let out = model.step(s, RotAxisInput { driving_nm, load_nm });
+            (out, out.rejected)
+        })
+    });
+}
+
 fn sensor(d: &mut Draw) -> SensorParams {
     SensorParams { gain: d.signed(1.0), offset: d.signed(0.1), quantum: d.near_or(0.01, 0.0) }
 }
@@ -285,6 +306,65 @@ fn sensors() {
             let a = amps.step(&mut (), CurrentSensorInput { current_a: x });
             let w = speed.step(s, AxialSpeedSensorInput { speed_rad_s: x });
             ((v, a, w), v.rejected && a.rejected && w.rejected)
+        })
+    });
+}
+
+fn thermal_node(d: &mut Draw) -> ThermalNodeParams {
+    ThermalNodeParams {
+        heat_capacity_j_per_k: d.near_or(1000.0, Real::INFINITY),
+        ambient_k_per_w: d.near_or(0.1, Real::INFINITY),
+    }
+}
+
+#[test]
+fn thermal_nodes() {
+    let model = some(PERMITTED, |d| {
+        let (inner, outer) = (thermal_node(d), thermal_node(d));
+        let between_k_per_w = d.near_or(0.05, Real::INFINITY);
+        (ThermalPairParams { inner, outer, between_k_per_w }, d.dt())
+    });
+    let inputs = inputs([signed(2000.0), signed(500.0), signed(50.0)]);
+    check(768, (model, inputs), |((params, dt), inputs)| {
+        let one = ThermalNode::new(params.inner, dt).unwrap();
+        let two: Vec<_> =
+            inputs.iter().map(|[heat_w, _, ambient_c]| [*heat_w, *ambient_c]).collect();
+        keeps(ThermalNodeState::at(20.0), &two, |s, [heat_w, ambient_c]| {
+            let out = one.step(s, ThermalNodeInput { heat_w, ambient_c });
+            (out, out.rejected)
+        })?;
+        let pair = ThermalPair::new(params, dt).unwrap();
+        keeps(ThermalPairState::at(20.0), &inputs, |s, [inner_w, outer_w, ambient_c]| {
+            let out = pair.step(s, ThermalPairInput { inner_w, outer_w, ambient_c });
+            (out, out.rejected)
+        })
+    });
+}
+
+#[test]
+fn sensor_faults() {
+    let model = some(PERMITTED, |d| {
+        let noise = NoiseParams { sd: d.near_or(0.01, 0.0), seed: d.number().to_bits() as u32 };
+        let drift = DriftParams { per_s: d.signed(0.01), largest: d.near_or(1.0, 0.0) };
+        let kind = if d.seldom() { LapseKind::OpenWire(5.0) } else { LapseKind::Stuck };
+        let (from_s, chance) = (d.near_or(1.0, 0.0), d.ratio());
+        let length_s = d.near_or(1.0, Real::INFINITY);
+        (noise, drift, LapseParams { kind, from_s, chance, length_s, seed: noise.seed }, d.dt())
+    });
+    check(768, (model, inputs([signed(1000.0)])), |((noise, drift, lapse, dt), inputs)| {
+        let (noise, drift) = (Noise::new(noise).unwrap(), Drift::new(drift, dt).unwrap());
+        let (lapse, late) = (Lapse::new(lapse, dt).unwrap(), Delay::<3>::new().unwrap());
+        keeps(DriftState::default(), &inputs, |s, [x]| {
+            let out = drift.step(s, x);
+            (out, out.rejected)
+        })?;
+        keeps(noise.start(), &inputs, |s, [x]| {
+            let out = noise.step(s, x);
+            (out, out.rejected)
+        })?;
+        keeps((late.start(0.0).unwrap(), lapse.start()), &inputs, |(l, m), [x]| {
+            let (late, lapsed) = (late.step(l, x), lapse.step(m, x));
+            ((late, lapsed), late.rejected && lapsed.rejected)
         })
     });
 }

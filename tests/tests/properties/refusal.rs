@@ -2,8 +2,8 @@
 
 use plant_core::auxiliary::{Auxiliary, AuxiliaryParams};
 use plant_core::battery::{
-    Battery, BatteryParams, MappedBattery, MappedBatteryParams, OpenCircuit, RcBranch,
-    RcBranchParams, VoltageLimits,
+    Battery, BatteryParams, CellSpread, MappedBattery, MappedBatteryParams, OpenCircuit, RcBranch,
+    RcBranchParams, SeriesPack, SeriesPackParams, VoltageLimits,
 };
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::foc::{Foc, FocParams};
@@ -14,18 +14,27 @@ use plant_core::machine::flux::{Flux, LinearFlux};
 use plant_core::machine::pmsm::{Pmsm, PmsmParams};
 use plant_core::mechanics::body::{Body, BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxParams};
-use plant_core::mechanics::rotational::{RotationalLoad, RotationalLoadParams};
+use plant_core::mechanics::rotational::{
+    RotAxis, RotAxisParams, RotationalLoad, RotationalLoadParams,
+};
 use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
 use plant_core::powertrain::{DriveParams, Powertrain, PowertrainParams};
 use plant_core::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
+use plant_core::signal::faults::{
+    Drift, DriftParams, Lapse, LapseKind, LapseParams, Noise, NoiseParams,
+};
 use plant_core::signal::sensors::{
     AxialSpeedSensor, AxialSpeedSensorParams, SensorParams, VoltageSensor,
 };
 use plant_core::signal::sources::{
     AtEnd, Ramp, RampParams, Saturation, SaturationParams, Sine, SineParams, Square, SquareParams,
     Step, StepParams, TimeTable, TimeTableParams, UnitDelay, UnitDelayParams,
+};
+use plant_core::thermal::{
+    Conductor, Derating, DriveLosses, ThermalNode, ThermalNodeParams, ThermalPair,
+    ThermalPairParams,
 };
 use plant_core::{Dt, ParamError, Real, must};
 use proptest::prelude::*;
@@ -137,6 +146,33 @@ fn voltage_limits() {
 }
 
 #[test]
+fn cells_in_series() {
+    let cell = MappedBatteryParams::constant(PLANT.battery);
+    let good = SeriesPackParams { cell, spread: [CellSpread::NONE; 2], neighbour_w_per_k: 0.1 };
+    let make = |params: SeriesPackParams<2>| SeriesPack::new(params, DT);
+    refuses!(make, SeriesPackParams: good, {
+        neighbour_w_per_k: NOT_NEGATIVE,
+    } beside cell, spread);
+    for i in 0..2 {
+        let within = |one: CellSpread| {
+            let mut params = good;
+            params.spread[i] = one;
+            make(params)
+        };
+        refuses!(within, CellSpread: CellSpread::NONE, {
+            capacity_ratio: &[0.0, 0.009, 101.0, NAN, INF, -INF],
+            resistance_ratio: &[0.0, 0.009, 101.0, NAN, INF, -INF],
+            cooling_ratio: &[-1e-9, 101.0, NAN, INF, -INF],
+            self_discharge_a: NOT_NEGATIVE,
+            soc_offset: &[-1.001, 1.001, NAN, INF, -INF],
+            temperature_offset_k: &[-101.0, 101.0, NAN, INF, -INF],
+        });
+    }
+    let bad = MappedBatteryParams { capacity_ah: NAN, ..cell };
+    assert_refused(make(SeriesPackParams { cell: bad, ..good }), "capacity_ah", &NAN);
+}
+
+#[test]
 fn open_circuit() {
     let make = |open_circuit| Battery::new(BatteryParams { open_circuit, ..PLANT.battery }, DT);
     refuses_variant!(make, OpenCircuit::Linear: {
@@ -192,6 +228,9 @@ fn motor_and_what_turns() {
         radius_m: POSITIVE,
         inertia_kg_m2: NOT_NEGATIVE,
         viscous_nm_s_per_rad: NOT_NEGATIVE,
+    });
+    refuses!(|p| RotAxis::new(p, DT), RotAxisParams: RotAxisParams { inertia_kg_m2: 0.1 }, {
+        inertia_kg_m2: POSITIVE,
     });
     let load =
         RotationalLoadParams { inertia_kg_m2: 1.0, viscous_nm_s_per_rad: 0.1, coulomb_nm: 0.1 };
@@ -344,6 +383,74 @@ fn sensors() {
     let speed = SensorParams { gain: NAN, ..sensor };
     let bad = AxialSpeedSensorParams { speed, ..shaft };
     assert_refused(AxialSpeedSensor::new(bad, DT), "gain", &NAN);
+}
+
+#[test]
+fn sensor_faults() {
+    let make = |NoiseParams { sd, seed }| Noise::new(NoiseParams { sd, seed });
+    refuses!(make, NoiseParams: NoiseParams { sd: 0.1, seed: 1 }, { sd: NOT_NEGATIVE } beside seed);
+    refuses!(|p| Drift::new(p, DT), DriftParams: DriftParams { per_s: 0.1, largest: 1.0 }, {
+        per_s: FINITE,
+        largest: NOT_NEGATIVE,
+    });
+    let kind = LapseKind::Stuck;
+    let lapse = LapseParams { kind, from_s: 1.0, chance: 0.1, length_s: 1.0, seed: 1 };
+    refuses!(|p| Lapse::new(p, DT), LapseParams: lapse, {
+        from_s: NOT_NEGATIVE,
+        chance: RATIO,
+        length_s: LIMIT,
+    } beside kind, seed);
+    for bad in [1e10, -1e13, NAN, INF] {
+        let open = LapseParams { kind: LapseKind::OpenWire(bad), ..lapse };
+        assert_refused(Lapse::new(open, DT), "open_wire", &bad);
+    }
+}
+
+#[test]
+fn thermal() {
+    let node = ThermalNodeParams { heat_capacity_j_per_k: 500.0, ambient_k_per_w: 0.1 };
+    refuses!(|p| ThermalNode::new(p, DT), ThermalNodeParams: node, {
+        heat_capacity_j_per_k: LIMIT,
+        ambient_k_per_w: LIMIT,
+    });
+    let pair = ThermalPairParams { inner: node, outer: node, between_k_per_w: 0.2 };
+    refuses!(|p| ThermalPair::new(p, DT), ThermalPairParams: pair, {
+        between_k_per_w: LIMIT,
+    } beside inner, outer);
+    for within in [
+        |node| {
+            ThermalPair::new(
+                ThermalPairParams { inner: node, outer: node, between_k_per_w: 1.0 },
+                DT,
+            )
+        },
+        |outer| {
+            ThermalPair::new(
+                ThermalPairParams { inner: ThermalNodeParams::FIXED, outer, between_k_per_w: 1.0 },
+                DT,
+            )
+        },
+    ] {
+        refuses!(within, ThermalNodeParams: node, {
+            heat_capacity_j_per_k: LIMIT,
+            ambient_k_per_w: LIMIT,
+        });
+    }
+    refuses!(Derating::checked, Derating: Derating { derate_from_c: 100.0, derate_to_c: 150.0 }, {
+        derate_from_c: &[-274.0, NAN, -INF],
+        derate_to_c: &[100.0, 0.0, NAN, -INF],
+    });
+    refuses!(Conductor::checked, Conductor: Conductor::COPPER, {
+        reference_c: &[-101.0, 301.0, NAN, INF],
+        per_k: &[-1e-9, 0.021, NAN, INF],
+    });
+    let losses = DriveLosses::of_dc_machine(0.27, 3e-3, 2.7, 1e-3, 30.0);
+    refuses!(DriveLosses::checked, DriveLosses: losses, {
+        torque_w_per_nm2: NOT_NEGATIVE,
+        torque_w_per_nm: NOT_NEGATIVE,
+        speed_w_s2: NOT_NEGATIVE,
+        constant_w: NOT_NEGATIVE,
+    });
 }
 
 #[test]

@@ -193,6 +193,33 @@ fn takes_a_pack_without_cells() {
 }
 
 #[test]
+fn cells_that_have_aged_differ_by_as_much_more() {
+    let model = Cells::new(PARAMS, Dt::from_s(1.0).unwrap()).unwrap();
+    let pack = Estimate::rested(0.5, 0.01, 25.0);
+    let sd_after = |factor| {
+        let mut state = model.start::<2>(pack);
+        let health = Health {
+            capacity_ah: 1.0,
+            capacity_sd_ah: 0.0,
+            resistance_factor: factor,
+            resistance_factor_sd: 0.0,
+        };
+        model.adopt(&mut state, &health);
+        for _ in 0..60 {
+            let voltage_v = PARAMS.open_circuit.at(0.5);
+            let cell_v = [voltage_v; 2];
+            model.step(&mut state, CellsInput { pack, cell_v: &cell_v, current_a: 100.0 });
+        }
+        state.cell(0).unwrap().soc_sd
+    };
+    let (new, aged) = (sd_after(1.0), sd_after(3.0));
+    assert!(aged > 1.1 * new, "{new} {aged}");
+    for bad in [0.0, -1.0, Real::NAN] {
+        assert_eq!(sd_after(bad), new);
+    }
+}
+
+#[test]
 fn refuses_each_bad_field_by_name() {
     use ParamError::{Decreasing, NotARatio, NotAbove, NotPositive, OutOfRange};
     let refused = |change: fn(&mut CellsParams), error| {

@@ -9,9 +9,12 @@ use super::{CoulombCounter, CoulombState, real};
 
 /// A gap up to this is bridged \[s\]. Chosen: the usual time between two reviews.
 const SINGLE_S: Real = 1.0;
-/// A current has become any other after this time \[s\]. Chosen.
+/// A current has become any other after this time \[s\]. Chosen: that over
+/// which the filter bridges a current.
 const CHANGES_S: Real = 5.0;
-/// A rest may miss this share of its samples. Chosen.
+/// A rest may miss this share of its samples. Chosen: what
+/// a current of a tenth of the capacity in an hour brings in them, 0.1 % of it, is less than the curve
+/// leaves open.
 const REST_MISSED: Real = 0.02;
 /// A time that nobody knows counts as this long for what may have flowed \[s\]. Chosen: a month.
 const UNKNOWN_S: Real = 2.6e6;

@@ -39,7 +39,7 @@ impl Ekf {
     pub(super) fn miss(&self, state: &mut EkfState, current_a: Real) -> EkfOutput {
         let seen = current_a.abs() <= self.largest_a;
         let current_a = if seen { current_a } else { self.bridge(state) };
-        state.load_sum_a += current_a.abs();
+        state.current_sum_a += current_a;
         let current_a = current_a - state.current_offset_a;
         self.polarise(state, current_a);
         state.rise -= current_a * state.soc_per_a;

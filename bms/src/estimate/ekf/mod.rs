@@ -53,12 +53,18 @@
 //!   is, which adds up.
 //! - **A slope that changes tells nothing**: it is held for a while, and what was learnt with one
 //!   slope is carried over to the next.
+//! - **A start that is told** is doubted until the voltage agrees: where the curve would not show one
+//!   that is far off, it is known no better than to 2.7 %; where it needs a large error of the model, it
+//!   may as well be wrong itself.
+//! - **A model whose error is larger** than was declared is given a larger one from then on
+//!   \[Mehra1970\].
 //! - **Before the start** a third of the capacity in an hour may have flowed: the polarisation that
 //!   this leaves is part of the model's error until the branches have forgotten it.
 //! - **A current that is missing** goes on as it was for some seconds; its error is the same within
 //!   a gap, another one in the next.
 //! - **What contradicts is said**: corrections of the last hour whose sum is more than three standard
-//!   deviations of what it should be, or residuals whose mean square is too large, are not consistent.
+//!   deviations of what it should be, residuals or errors whose mean square is too large, a voltage that
+//!   does not react as the current lets expect, are not consistent.
 //!
 //! The polarisation is that of the model under the measured current: the branches forget, so what
 //! is wrong in them is part of the model's error.
@@ -75,6 +81,8 @@ mod drift;
 mod gap;
 mod params;
 mod pause;
+mod reaction;
+mod size;
 mod slope;
 mod slow;
 mod start;
@@ -179,8 +187,8 @@ pub struct EkfState {
     /// Variance of what a step takes for noise \[V²\], and what each A² of its current adds.
     noise_v2: Real,
     load_noise_ohm2: Real,
-    /// Magnitude of the current, summed over the steps since the last refresh \[A\].
-    load_sum_a: Real,
+    /// Current, summed over the steps since the last refresh \[A\].
+    current_sum_a: Real,
     /// Measured less expected voltage, summed likewise \[V\].
     residual_sum_v: Real,
     /// The last measured current \[A\].
@@ -285,11 +293,10 @@ impl Ekf {
     // A call would pass the state through memory once more.
     #[inline(always)]
     pub fn update(&self, state: &mut EkfState, current_a: Real, voltage_v: Real) -> EkfOutput {
-        let magnitude_a = current_a.abs();
-        if !(magnitude_a <= self.largest_a && sane(voltage_v)) {
+        if !(current_a.abs() <= self.largest_a && sane(voltage_v)) {
             return self.miss(state, current_a);
         }
-        state.load_sum_a += magnitude_a;
+        state.current_sum_a += current_a;
         state.last_a = current_a;
         let current_a = current_a - state.current_offset_a;
         state.rise -= current_a * state.soc_per_a;
@@ -391,7 +398,9 @@ impl Ekf {
             converged: state.variance() < sd * sd,
             consistent: state.error_v.abs() <= most_v
                 && state.slow.residual_v.abs() <= most_v
-                && state.slow.trust.is_earned(),
+                && state.slow.trust.is_earned()
+                && state.slow.reaction.is_expected()
+                && state.slow.size.is_expected(),
             flat: self.is_flat(state),
             outside_identified: !self.params.battery.identified.holds(soc, temperature_c),
             temperature_missing: state.slow.temperature_missing,

@@ -6,7 +6,7 @@ use plant_core::{ParamError, check};
 
 use crate::Health;
 
-use super::slow::LOAD_MEMORY_S;
+use super::trust::LOAD_MEMORY_S;
 use super::{Ekf, EkfState};
 
 /// A time that nobody knows counts as this long for what may have flowed \[s\]. Chosen: a month.

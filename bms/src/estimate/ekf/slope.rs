@@ -2,7 +2,7 @@
 
 use plant_core::num::{Accum, Real, clamp, max, min, sqrt};
 
-use super::{Ekf, EkfState};
+use super::{CONSISTENT, Ekf, EkfState};
 
 /// Over less than this there is no mean slope. Chosen: the last bit of 400 V, 3e-5 V, makes
 /// 0.03 V of slope over it.
@@ -10,8 +10,14 @@ const SHORTEST_CHORD: Real = 1e-3;
 /// The slope is taken anew after a move by this many of the standard deviations it was taken with.
 /// Chosen: within that the least slope over three of them is nearly the same.
 const HELD_SDS: Real = 0.25;
-/// A slope that falls makes the state of charge at most so much less sure at a time. Chosen.
+/// A slope that falls makes the state of charge at most so much less sure at a time. Chosen: over
+/// half a standard deviation's move no curve's slope falls further but at a knee, which is passed.
 const MOST_LESS: Real = 2.0;
+/// Places that are weighed where the battery has left the flat part, and how far around, in standard
+/// deviations and in charge. Chosen: of half of all charge they are closer than the curve's points.
+const PLACES: Real = 32.0;
+const REACH_SDS: Real = 4.0;
+const LEAST_REACH: Real = 0.25;
 /// √½.
 const HALF_ROOT: Real = 0.707_106_77;
 
@@ -58,7 +64,7 @@ impl Ekf {
             return;
         }
         (state.slow.slope.at_soc, state.slow.slope.at_sd) = (soc, sd);
-        let mut slope_v = tangent_v;
+        let mut slope_v = Real::INFINITY;
         for reach in [-1.5 * sd, 1.5 * sd] {
             let (mut from, mut from_v) = (soc, open_circuit_v);
             for _ in 0..2 {
@@ -70,6 +76,9 @@ impl Ekf {
                 (from, from_v) = (to, to_v);
             }
         }
+        // The tangent counts only where nothing is left open: a dent of the curve that is narrower than
+        // a standard deviation says little of what lies within three.
+        let slope_v = if slope_v < Real::INFINITY { slope_v } else { tangent_v };
         self.change_slope(state, slope_v, gone > moved);
     }
 
@@ -98,31 +107,59 @@ impl Ekf {
 
     /// Takes the state of charge from the voltage as well: no place on the flat part shows this
     /// one. `residual_v` is that of the last second; the longer mean comes late.
+    ///
+    /// What is believed before, and how well each place explains the voltage, is weighed at places
+    /// around it (Bayes's rule on a grid \[Bucy1971\]): where
+    /// the curve has more than one place for a voltage, the mean lies between them and the standard
+    /// deviation says so.
     #[cold]
     pub(super) fn leave_flat(&self, state: &mut EkfState, residual_v: Real) {
         let (open_circuit_v, _) = self.open_circuit(state.soc());
         let late_v = state.slow.residual_v;
         let residual_v = if residual_v * late_v > late_v * late_v { residual_v } else { late_v };
         let shown_v = open_circuit_v + state.error_v + residual_v;
-        // All that shows this voltage within two standard deviations of the model's error.
         let sd_v = state.slow.error_sd_v;
-        let curve = &self.params.battery.open_circuit;
-        let (low, high) = (curve.soc_at(shown_v - 2.0 * sd_v), curve.soc_at(shown_v + 2.0 * sd_v));
-        let sd = max(0.25 * (high - low), SHORTEST_CHORD);
-        let (before, now) = (state.variance(), sd * sd);
-        let middle = 0.5 * (low + high);
-        let soc = clamp((state.soc() * now + middle * before) / (now + before), low, high);
+        let (before, per_sd_v) = (state.soc(), 1.0 / sd_v);
+        let per_sd = 1.0 / sqrt(state.variance());
+        let reach = max(REACH_SDS / per_sd, LEAST_REACH);
+        let (low, high) = (max(before - reach, 0.0), min(before + reach, 1.0));
+        let step = (high - low) / PLACES;
+        let (mut weights, mut sum, mut squares, mut off_sum_v) = (0.0, 0.0, 0.0, 0.0);
+        let mut soc = low + 0.5 * step;
+        while soc < high {
+            let off_v = shown_v - self.params.battery.open_circuit.at(soc);
+            let weight = likely((soc - before) * per_sd) * likely(off_v * per_sd_v);
+            let away = soc - before;
+            weights += weight;
+            sum += weight * away;
+            squares += weight * away * away;
+            off_sum_v += weight * off_v;
+            soc += step;
+        }
+        let mean = sum / weights;
+        // The places themselves are as wide as a step.
+        let variance = max(squares / weights - mean * mean, 0.0) + step * step / 12.0;
+        let (soc, sd) = (before + mean, sqrt(variance));
         state.soc_before = Accum::new(soc);
         state.rise = 0.0;
-        state.error_v = 0.0;
+        // What the places, as they are weighed, do not explain.
+        state.error_v = clamp(off_sum_v / weights, -CONSISTENT * sd_v, CONSISTENT * sd_v);
         state.error_variance_v2 = sd_v * sd_v;
         state.slow.residual_v = 0.0;
         state.slow.soc_then = soc;
         state.slow.drift.forget();
+        state.slow.reaction.forget();
         // Half of it because of the model's error, half of it for what the range leaves open.
-        state.own_variance = 0.5 * now;
+        state.own_variance = 0.5 * variance;
         state.shared_per_v = -HALF_ROOT * sd / sd_v;
         state.slow.slope = Slope::NONE;
         self.follow_curve(state);
     }
+}
+
+/// About `e^(−x²/2)` up to two standard deviations; beyond, it falls as a power (Student's
+/// distribution): what was declared may be wrong.
+fn likely(x: Real) -> Real {
+    let fall = 1.0 / (1.0 + 0.25 * x * x);
+    fall * fall * fall
 }

@@ -1,18 +1,17 @@
 //! What an [`Ekf`] does at a slower rate: resistances over state of charge and temperature, the size
 //! of the model's error, the sensor's offset.
 
-use plant_core::battery::REFERENCE_C;
+use plant_core::battery::{REFERENCE_C, temperature_factor};
 use plant_core::num::{Real, clamp, lag_gain, max, min, sign, sqrt};
 
 use super::drift::Drift;
 use super::gap::Gap;
+use super::reaction::Reaction;
+use super::size::Size;
 use super::slope::Slope;
-use super::trust::Trust;
+use super::trust::{LOAD_MEMORY_S, Trust};
 use super::{CONSISTENT, Ekf, EkfInput, EkfState};
 
-/// The mean magnitude of the current follows over this time \[s\]. Chosen: some time constants of a
-/// slow branch.
-pub(super) const LOAD_MEMORY_S: Real = 300.0;
 /// The model's faster errors are correlated over this time \[s\]. Chosen: a fast branch's time
 /// constant.
 const DYNAMICS_S: Real = 10.0;
@@ -63,6 +62,9 @@ pub(super) struct Slow {
     pub(super) offset_sd_a: Real,
     pub(super) temperature_c: Real,
     pub(super) temperature_missing: bool,
+    /// What the temperature makes of the resistances, the series one first, and which was last asked.
+    pub(super) temperature_factors: [Real; 3],
+    pub(super) turn: usize,
     /// Every resistance of the model is larger by this factor; what is not known of them, and of the
     /// capacity, as ratios.
     pub(super) resistance_factor: Real,
@@ -72,6 +74,8 @@ pub(super) struct Slow {
     pub(super) drift: Drift,
     pub(super) gap: Gap,
     pub(super) trust: Trust,
+    pub(super) reaction: Reaction,
+    pub(super) size: Size,
 }
 
 impl Ekf {
@@ -88,12 +92,13 @@ impl Ekf {
         let steps = self.steps();
         let refresh_s = steps * self.dt_s;
         let residual_v = state.residual_sum_v / steps;
+        let flowing_a = state.current_sum_a / steps;
         let mean_a = if state.slow.load_a < 0.0 {
             // Before the first step: as if this load had been on for long.
             state.slow.load_a = if seen { input.current_a.abs() } else { 0.0 };
             state.slow.load_a
         } else {
-            let mean_a = state.load_sum_a / steps;
+            let mean_a = flowing_a.abs();
             state.slow.load_a += lag_gain(refresh_s / LOAD_MEMORY_S) * (mean_a - state.slow.load_a);
             let gain = lag_gain(refresh_s / RESIDUAL_S);
             state.slow.residual_v += gain * (residual_v - state.slow.residual_v);
@@ -106,9 +111,10 @@ impl Ekf {
             mean_a
         };
         Self::correct_drift(state);
+        self.follow_reaction(state, residual_v, flowing_a);
         self.follow_trust(state, residual_v, mean_a);
         state.slow.gap.refresh(state.residual_sum_v);
-        state.load_sum_a = 0.0;
+        state.current_sum_a = 0.0;
         state.residual_sum_v = 0.0;
         state.steps_left = self.refresh_steps;
         state.soc_before.add(state.rise);
@@ -121,6 +127,7 @@ impl Ekf {
             state.slow.offset_sd_a += gain * (learnt_a - state.slow.offset_sd_a);
         }
         let moved = mean_a * state.soc_per_a * steps;
+        self.follow_size(state, max(mean_a, state.slow.load_a), moved);
         self.follow_hysteresis(state, moved);
         // What flows unseen moves the state of charge too.
         let unseen = state.slow.offset_sd_a * state.soc_per_a * steps;
@@ -143,16 +150,22 @@ impl Ekf {
     /// sign.
     pub(super) fn follow_error(&self, state: &mut EkfState, moved: Real) {
         let (outside, resistance_sd) = (self.outside(state), self.resistance_sd(state));
-        let now = self.battery.resistances(state.soc(), state.slow.temperature_c);
+        self.follow_temperature(state);
+        let map = &self.params.battery;
+        let soc = clamp(state.soc(), map.identified.soc_min, map.identified.soc_max);
         let slow = &mut state.slow;
-        let [fast, slower] = now.polarisation_ohm.map(|ohm| slow.resistance_factor * ohm);
-        state.series_ohm = slow.resistance_factor * now.series_ohm;
+        let [at_series, at_fast, at_slower] =
+            slow.temperature_factors.map(|factor| slow.resistance_factor * factor);
+        let fast = at_fast * map.polarisation.resistance_ohm.at(soc);
+        let slower = at_slower * map.second_polarisation.resistance_ohm.at(soc);
+        state.series_ohm = at_series * map.series.resistance_ohm.at(soc);
         state.branch_ohm = [self.gains[0] * fast, self.gains[1] * slower];
         slow.polarisation_ohm = fast + slower;
         slow.total_ohm = state.series_ohm + slow.polarisation_ohm;
+        slow.dynamics_ohm = outside * resistance_sd * slow.total_ohm;
 
         let known = &self.params.uncertainty;
-        let hysteresis_v = self.params.battery.hysteresis.half_gap_v * slow.hysteresis_sd;
+        let hysteresis_v = map.hysteresis.half_gap_v * slow.hysteresis_sd;
         let load_v = resistance_sd * slow.total_ohm * max(slow.load_a, 0.0);
         let before_v = slow.before_sd_a * slow.polarisation_ohm;
         let squares = known.open_circuit_sd_v * known.open_circuit_sd_v
@@ -162,7 +175,7 @@ impl Ekf {
             + known.voltage_sd_v * known.voltage_sd_v
             + hysteresis_v * hysteresis_v;
         let before_v2 = slow.error_sd_v * slow.error_sd_v;
-        slow.error_sd_v = outside * sqrt(squares);
+        slow.error_sd_v = outside * sqrt(slow.size.factor2 * squares);
         let after_v2 = slow.error_sd_v * slow.error_sd_v;
 
         // From one stationary variance to the other, forgetting what has gone.
@@ -175,6 +188,26 @@ impl Ekf {
         state.error_variance_v2 = variance_v2;
         state.error_v *= keep;
         state.slow.drift.of_error_v *= keep;
+    }
+
+    /// What the temperature makes of one of the resistances, in turns: it does not move much in three
+    /// seconds, and an exponential takes long.
+    fn follow_temperature(&self, state: &mut EkfState) {
+        let slow = &mut state.slow;
+        let celsius = self.params.battery.identified.nearest_c(slow.temperature_c);
+        slow.turn = if slow.turn < 2 { slow.turn + 1 } else { 0 };
+        slow.temperature_factors[slow.turn] = self.temperature_factor(slow.turn, celsius);
+    }
+
+    /// How many times larger one of the resistances is at a temperature than at 25 °C.
+    pub(super) fn temperature_factor(&self, turn: usize, celsius: Real) -> Real {
+        let map = &self.params.battery;
+        let activation_k = match turn {
+            0 => map.series.activation_k,
+            1 => map.polarisation.activation_k,
+            _ => map.second_polarisation.activation_k,
+        };
+        temperature_factor(activation_k, celsius)
     }
 
     /// How many times larger the model's error is here: outside the identified range by more than
@@ -202,8 +235,7 @@ impl Ekf {
     /// What a step counts as noise, and the drift since the last refresh.
     fn follow_noise(&self, state: &mut EkfState, load_a: Real) {
         let known = &self.params.uncertainty;
-        let dynamics_ohm = self.outside(state) * self.resistance_sd(state) * state.slow.total_ohm;
-        state.slow.dynamics_ohm = dynamics_ohm;
+        let dynamics_ohm = state.slow.dynamics_ohm;
         state.load_noise_ohm2 =
             dynamics_ohm * dynamics_ohm * max(2.0 * DYNAMICS_S / self.dt_s, 1.0);
         state.noise_v2 = if self.is_flat(state) {

@@ -1,11 +1,15 @@
 extern crate std;
 
-use plant_core::battery::{MappedBatteryInput, MappedBatteryState, OpenCircuit};
+use plant_core::battery::{
+    MappedBatteryInput, MappedBatteryParams, MappedBatteryState, OpenCircuit,
+};
 use plant_core::must;
 use plant_core::num::SocTable;
 use plant_core::presets::PANASONIC_NCR18650PF;
 
 use super::*;
+
+mod trust;
 
 const DT: Dt = must!(Dt::from_s(1.0));
 const PARAMS: EkfParams = EkfParams::typical(PANASONIC_NCR18650PF, 3.65);

@@ -6,15 +6,21 @@ use super::{CONSISTENT, Ekf, EkfState};
 
 /// The corrections are summed over this time \[s\] … Chosen: a drive.
 const SUMMED_S: Real = 3600.0;
-/// … where the standard deviation is below this … Chosen: before, the filter still looks for the state of charge.
+/// … where the standard deviation is below this … Chosen: before, the filter
+/// still looks for the state of charge.
 const KNOWN_SD: Real = 0.1;
 /// … and this variance of their sum is none. Chosen: 0.3 % of charge.
 const SMALL_VARIANCE: Real = 1e-5;
-/// The residuals of a second are looked at over this time \[s\], and remembered over this \[s\]: a
-/// rest proves nothing. Their mean square may be so many times that of the model's error.
-/// Chosen.
-const SQUARES_S: Real = 300.0;
+/// The mean magnitude of the current follows over this time \[s\]. Chosen: some time constants of a
+/// slow branch.
+pub(super) const LOAD_MEMORY_S: Real = 300.0;
+/// The residuals of a second are looked at over this time \[s\] … Chosen: that over which the load is
+/// remembered.
+const SQUARES_S: Real = LOAD_MEMORY_S;
+/// … and remembered over this \[s\]: a rest proves nothing. Chosen: a drive.
 const REMEMBERED_S: Real = 3600.0;
+/// Their mean square may be so many times that of the model's error. Chosen: errors are correlated, so
+/// such a mean is one of a few; measured cells in the cold reach 0.7.
 const MOST_SQUARE: Real = 2.0;
 /// A single one counts up to this. Chosen: ten standard deviations.
 const LARGEST_SQUARE: Real = 100.0;
@@ -34,6 +40,11 @@ pub(super) struct Trust {
 
 impl Trust {
     pub(super) const NONE: Self = Self { sum: 0.0, variance: 0.0, variance_then: 1.0, square: 0.0 };
+
+    /// The variance of the state of charge after the last refresh.
+    pub(super) const fn variance_then(&self) -> Real {
+        self.variance_then
+    }
 
     pub(super) fn is_earned(&self) -> bool {
         self.square <= MOST_SQUARE
@@ -72,5 +83,6 @@ impl Ekf {
     /// Marks where the next corrections start from.
     pub(super) fn mark_trust(state: &mut EkfState) {
         state.slow.trust.variance_then = state.variance();
+        state.slow.reaction.mark(state.error_v);
     }
 }

@@ -18,10 +18,11 @@ const SMALLEST_FACTOR: Real = 0.2;
 /// Factors outside are not believed. Chosen: more is a bad contact, not age.
 const LARGEST_FACTOR: Real = 10.0;
 
-/// What voltage and current are apart in time may make up this share of a step to learn from. Chosen.
+/// What voltage and current are apart in time may make up this share of a step to learn from. Chosen:
+/// readings 50 to 200 ms apart then leave the factor within 1 %, where it was 0.2 of what it is.
 const SKEW_SHARE: Real = 0.1;
 /// What no number of steps averages out where the sensors are out of step, as a share of the factor.
-/// Chosen.
+/// Chosen: what [`SKEW_SHARE`] leaves.
 const SYSTEMATIC: Real = 0.01;
 /// The longest pair to learn from, in samples. Chosen: over 20 the open-circuit voltage hardly moves.
 const LONGEST_PAIR: u32 = 20;

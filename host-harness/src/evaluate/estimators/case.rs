@@ -125,6 +125,8 @@ pub struct Point {
     pub sd: f64,
     /// The truth lies in the range in which the parameters were identified.
     pub identified: bool,
+    /// The estimator says that something contradicts.
+    pub contradicted: bool,
 }
 
 /// Runs the Kalman filter over samples with what a case makes wrong.
@@ -155,7 +157,9 @@ pub fn ekf(battery: &BatteryFile, samples: &Samples, case: &Case) -> anyhow::Res
             };
             filter.step(&mut state, input);
             let estimate = filter.estimate(&state);
-            point(battery, samples, i, f64::from(estimate.soc), f64::from(estimate.soc_sd))
+            let contradicted = !filter.status(&state).consistent;
+            let said = (f64::from(estimate.soc), f64::from(estimate.soc_sd));
+            Point { contradicted, ..point(battery, samples, i, said) }
         })
         .collect())
 }
@@ -199,17 +203,17 @@ pub fn coulomb(
             if (i + 1).is_multiple_of(per_review) {
                 out = counter.review(&mut state, voltage_v as f32);
             }
-            point(battery, samples, i, f64::from(counter.soc(&state)), f64::from(out.soc_sd))
+            point(battery, samples, i, (f64::from(counter.soc(&state)), f64::from(out.soc_sd)))
         })
         .collect())
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the range is that of the model, in f32")]
-fn point(battery: &BatteryFile, samples: &Samples, i: usize, soc: f64, sd: f64) -> Point {
+fn point(battery: &BatteryFile, samples: &Samples, i: usize, (soc, sd): (f64, f64)) -> Point {
     let truth = samples.soc[i];
     let range = &battery.battery.identified;
     let identified = range.holds(truth as f32, samples.temperature_c[i] as f32);
-    Point { error: soc - truth, sd, identified }
+    Point { error: soc - truth, sd, identified, contradicted: false }
 }
 
 fn first(values: &[f64], otherwise: f64) -> f64 {

@@ -37,6 +37,8 @@ pub struct Figures {
     /// The same within the range in which the model's parameters were identified; absent where no
     /// sample is.
     pub inside_3_sigma_identified: Option<f64>,
+    /// Share of the samples in which the estimator says that something contradicts.
+    pub contradicted: f64,
     /// Time with an error beyond 5 % \[s\].
     pub outside_5_percent_s: f64,
     /// Samples compared.
@@ -71,6 +73,7 @@ impl Figures {
             convergence_s: converged(&known, dt_s),
             inside_3_sigma: share(known.iter().filter(|(_, p)| inside(p)).count(), known.len()),
             inside_3_sigma_identified: (identified > 0).then(|| share(honest, identified)),
+            contradicted: share(known.iter().filter(|(_, p)| p.contradicted).count(), known.len()),
             outside_5_percent_s: bad as f64 * dt_s,
             samples: known.len(),
         })
@@ -107,7 +110,7 @@ mod tests {
     use super::*;
 
     fn point(error: f64) -> Point {
-        Point { error, sd: 0.01, identified: error < 0.04 }
+        Point { error, sd: 0.01, identified: error < 0.04, contradicted: error < 0.0 }
     }
 
     #[test]
@@ -125,7 +128,7 @@ mod tests {
         assert!((f.soc_rmse_after_300_s - f64::sqrt(settled)).abs() < 1e-12);
         assert_eq!((f.convergence_s, f.outside_5_percent_s, f.samples), (Some(100.0), 100.0, 500));
         assert!((f.inside_3_sigma - 0.6).abs() < 1e-12);
-        assert_eq!(f.inside_3_sigma_identified, Some(1.0));
+        assert_eq!((f.inside_3_sigma_identified, f.contradicted), (Some(1.0), 0.6));
         assert!(Figures::of(&[point(f64::NAN)], 1.0).is_none());
         assert_eq!(Figures::of(&[point(0.1)], 1.0).unwrap().convergence_s, None);
     }

@@ -81,7 +81,7 @@ fn constant(vehicle: &Vehicle) -> BatteryParams {
 fn reads_the_example_and_fills_in_what_may_be_left_out() {
     let cart = parse("x.toml", EXAMPLE.as_bytes()).unwrap();
     assert_eq!(cart.powertrain.auxiliary, AuxiliaryParams::NONE);
-    assert_eq!(cart.powertrain.drives.converter, ConverterParams::IDEAL);
+    assert_eq!(cart.powertrain.drives.one_dc().unwrap().converter, ConverterParams::IDEAL);
     assert_eq!(constant(&cart).polarisation.capacitance_f.to_bits(), 1000_f32.to_bits());
     let windows = EXAMPLE.replace('\n', "\r\n");
     assert_eq!(parse("x.toml", format!("\u{feff}{windows}").as_bytes()).unwrap(), cart);
@@ -161,8 +161,8 @@ fn an_unknown_key() {
         "name =",
         "  title =",
         "1:3: unknown key `title`; expected one of `name`, `description`, `source`, \
-         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
-         `driver`",
+         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `pmsm`, `gearbox`, \
+         `drive`, `wheel`, `body`, `driver`",
     );
     says(
         "a_n =",
@@ -193,7 +193,7 @@ fn a_missing_key_or_table() {
     says("full_v = 50.0\n", "", "12:23: missing key `full_v` in [battery.open_circuit.linear]");
     says("name = \"cart\"\n", "", "1:1: missing key `name`");
     let without = "[gearbox]\nratio = 5.0\nefficiency = 0.95\ninertia_kg_m2 = 0.0\n";
-    says(without, "", "1:1: missing key `gearbox`");
+    says(without, "", "1:1: `gearbox` is missing, and there is no table [[drive]]");
 }
 
 #[test]
@@ -264,8 +264,8 @@ fn values_that_break_a_rule() {
 }
 
 /// Keys whose values are no numbers.
-const TEXTS: [&str; 6] =
-    ["name", "description", "source", "battery", "derivative_of", "anti_windup"];
+const TEXTS: [&str; 7] =
+    ["name", "description", "source", "battery", "derivative_of", "anti_windup", "pole_pairs"];
 
 #[test]
 fn every_field_that_the_models_check_has_its_place() {
@@ -274,7 +274,7 @@ fn every_field_that_the_models_check_has_its_place() {
         let mut found = Vec::new();
         for (i, line) in text.lines().enumerate() {
             if let Some(name) = line.strip_prefix('[') {
-                name.split(']').next().unwrap_or("").clone_into(&mut table);
+                name.trim_start_matches('[').split(']').next().unwrap_or("").clone_into(&mut table);
             } else if let Some((key, _)) = line.split_once(" = ")
                 && !line.starts_with('#')
                 && !TEXTS.contains(&key)
@@ -339,8 +339,8 @@ fn values_of_the_wrong_type() {
         body,
         "[x]",
         "39:2: unknown table [x]; expected one of `name`, `description`, `source`, \
-         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `gearbox`, `wheel`, `body`, \
-         `driver`",
+         `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `pmsm`, `gearbox`, \
+         `drive`, `wheel`, `body`, `driver`",
     );
 }
 
@@ -367,7 +367,7 @@ fn syntax_errors() {
 #[test]
 fn a_name_that_is_not_known() {
     let list = "(built in: `bmw-i3-60ah`, `bmw-i3-60ah-constant`, `bmw-i3-60ah-epowertrain`, \
-                `epowertrain-udds`, `epowertrain-udds-table`; or the path of a .toml file)";
+                `bmw-i3-60ah-pmsm`, `epowertrain-udds`, `epowertrain-udds-table`, `two-axles`; or the path of a .toml file)";
     let error = load("bmw-i3-60").unwrap_err().to_string();
     assert_eq!(error, format!("bmw-i3-60: no such vehicle; did you mean `bmw-i3-60ah`? {list}"));
     assert_eq!(load("tank").unwrap_err().to_string(), format!("tank: no such vehicle {list}"));
@@ -395,4 +395,35 @@ fn no_damage_makes_it_panic() {
         assert!(parse("x", text.as_bytes()).is_err());
         assert!(parse("x", deep.repeat(100_000).as_bytes()).is_err());
     }
+}
+
+/// Drives in a list: the same as one at the top, four at most, each with one machine.
+#[test]
+fn several_drives() {
+    let one = "[motor]\nresistance_ohm = 0.1\ninductance_h = 1e-4\nback_emf_v_s_per_rad = 0.1\ntorque_nm_per_a = 0.1\ninertia_kg_m2 = 1e-3\nviscous_nm_s_per_rad = 0\ncoulomb_nm = 0\n\n[gearbox]\nratio = 5.0\nefficiency = 0.95\ninertia_kg_m2 = 0.0\n";
+    let listed = format!(
+        "[[drive]]\n{}",
+        one.replace("[motor]", "[drive.motor]").replace("[gearbox]", "[drive.gearbox]")
+    );
+    let with = |drives: &str| parse("x.toml", EXAMPLE.replace(one, drives).as_bytes());
+    assert_eq!(with(&listed).unwrap().powertrain, with(one).unwrap().powertrain);
+    let refused = |drives: &str| with(drives).unwrap_err().to_string();
+    // A duty drives one machine.
+    let two = listed.repeat(2);
+    assert!(refused(&two).contains("`driver.duty` must drive one DC machine"), "{}", refused(&two));
+    assert!(refused(&listed.repeat(5)).contains("`drive` may stand 4 times at most"));
+    let pmsm = "[pmsm]\npole_pairs = 6.5\n";
+    let whole = refused(&format!("{pmsm}{}", &one[one.find("[gearbox]").unwrap()..]));
+    assert!(whole.contains("expected a whole number up to 65535, found 6.5"), "{whole}");
+    let bad = format!("{listed}{}", listed.replace("ratio = 5.0", "ratio = 0.0"));
+    let said = refused(&bad);
+    assert!(said.contains("`ratio` in [drive.gearbox]"), "{said}");
+    assert!(said.starts_with("x.toml:45:1"), "{said}");
+    assert!(
+        refused(&format!("{one}{listed}")).contains("belongs into each of the tables [[drive]]")
+    );
+    assert!(
+        refused("[gearbox]\nratio = 5.0\nefficiency = 0.95\ninertia_kg_m2 = 0.0\n")
+            .contains("`motor` is missing, and there is no `pmsm`")
+    );
 }

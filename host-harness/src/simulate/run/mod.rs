@@ -2,6 +2,7 @@
 //! keep a trace and count over every step.
 
 mod battery;
+mod drives;
 mod vehicle;
 
 use std::time::Duration;

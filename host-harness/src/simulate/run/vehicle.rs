@@ -3,15 +3,19 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use plant_core::battery::Pack;
-use plant_core::control::driver::{Driver, DriverInput, DriverState};
+use plant_core::battery::{Battery, MappedBattery, Pack};
+use plant_core::control::driver::{Driver, DriverInput, DriverParams, DriverState, TorqueDriver};
+use plant_core::converter::Gates;
 use plant_core::mechanics::body::Road;
-use plant_core::powertrain::ledger::{Book, EnergyLedger};
-use plant_core::powertrain::{Feedback, Powertrain, PowertrainInput, PowertrainState};
+use plant_core::powertrain::ledger::{Book, NoLedger};
+use plant_core::powertrain::{
+    Axles, Drives, Feedback, Powertrain, PowertrainInput, PowertrainState,
+};
 use plant_core::{Dt, num};
 
+use super::drives::axle;
 use super::{Run, Totals, TraceRow, step_at, tell, widen};
-use crate::read::vehicle::{Vehicle, VehicleBattery};
+use crate::read::vehicle::{DriveKind, Vehicle, VehicleBattery};
 use crate::simulate::progress::Progress;
 use crate::simulate::route::{Route, Row};
 
@@ -30,19 +34,10 @@ pub fn vehicle(
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     let dt = Dt::from_s(dt_s as f32)?;
     let drive = Drive { vehicle, route, start_soc, dt, dt_s, progress };
-    let params = vehicle.powertrain;
-    match (params.battery, ledger) {
-        (VehicleBattery::Constant(battery), false) => {
-            Ok(drive.along(&Powertrain::new(params.with_battery(battery), dt)?)?.0)
-        }
-        (VehicleBattery::Constant(battery), true) => {
-            drive.with_ledger(&Powertrain::new(params.with_battery(battery), dt)?.with_ledger())
-        }
-        (VehicleBattery::Mapped(battery), false) => {
-            Ok(drive.along(&params.with_battery(battery).build(dt)?)?.0)
-        }
-        (VehicleBattery::Mapped(battery), true) => {
-            drive.with_ledger(&params.with_battery(battery).build(dt)?.with_ledger())
+    match vehicle.powertrain.battery {
+        VehicleBattery::Constant(battery) => drive.with_battery(Battery::new(battery, dt)?, ledger),
+        VehicleBattery::Mapped(battery) => {
+            drive.with_battery(MappedBattery::new(battery, dt)?, ledger)
         }
     }
 }
@@ -56,19 +51,102 @@ struct Drive<'a> {
     progress: &'a dyn Progress,
 }
 
+/// Who drives, and how its demand becomes a command of the drives.
+trait Steering<D: Drives> {
+    /// A command and the force of the friction brake \[N\].
+    fn steer(&self, state: &mut DriverState, input: DriverInput, drives: &D) -> (D::Command, f32);
+}
+
+impl Steering<plant_core::powertrain::Drive> for Driver {
+    #[inline(always)]
+    fn steer(
+        &self,
+        state: &mut DriverState,
+        input: DriverInput,
+        _drives: &plant_core::powertrain::Drive,
+    ) -> (Gates, f32) {
+        let command = self.step(state, input);
+        (Gates::On(command.duty), command.brake_n)
+    }
+}
+
+impl<D: Drives> Steering<D> for TorqueDriver {
+    #[inline(always)]
+    fn steer(&self, state: &mut DriverState, input: DriverInput, drives: &D) -> (D::Command, f32) {
+        let demand = self.step(state, input);
+        (drives.command(demand.torque_nm), demand.brake_n)
+    }
+}
+
 impl Drive<'_> {
-    fn with_ledger<B: Pack>(&self, plant: &Powertrain<EnergyLedger, B>) -> anyhow::Result<Run> {
-        let (mut run, start, end) = self.along(plant)?;
+    fn with_battery<B: Pack>(&self, battery: B, ledger: bool) -> anyhow::Result<Run> {
+        let (params, dt) = (&self.vehicle.powertrain, self.dt);
+        let axle = |kind| axle(kind, params.wheel, dt);
+        match params.drives.as_slice() {
+            [Some(DriveKind::Dc(drive)), ..] if params.drives.count() == 1 => {
+                let driver = Driver::new(self.vehicle.driver, &params.with_drives(*drive), dt)?;
+                self.with_drives(battery, drive.on(params.wheel, dt)?, ledger, |_| Ok(driver))
+            }
+            [Some(one), None, ..] => {
+                self.with_drives(battery, axle(*one)?, ledger, |plant| self.torque_driver(plant))
+            }
+            [Some(one), Some(two), None, ..] => {
+                let axles = axle(*one)?.and(axle(*two)?);
+                self.with_drives(battery, axles, ledger, |plant| self.torque_driver(plant))
+            }
+            [Some(one), Some(two), Some(three), None] => {
+                let axles = axle(*one)?.and(axle(*two)?.and(axle(*three)?));
+                self.with_drives(battery, axles, ledger, |plant| self.torque_driver(plant))
+            }
+            [Some(one), Some(two), Some(three), Some(four)] => {
+                let axles = axle(*one)?.and(axle(*two)?).and(axle(*three)?.and(axle(*four)?));
+                self.with_drives(battery, axles, ledger, |plant| self.torque_driver(plant))
+            }
+            _ => anyhow::bail!("a vehicle without a drive"),
+        }
+    }
+
+    /// A driver whose demand is a torque, for any plant.
+    fn torque_driver<B: Pack, D: Drives>(
+        &self,
+        plant: &Powertrain<NoLedger, B, D>,
+    ) -> anyhow::Result<TorqueDriver> {
+        let DriverParams::Torque(driver) = self.vehicle.driver else {
+            anyhow::bail!("driver.duty drives one DC machine only");
+        };
+        Ok(TorqueDriver::fitted(
+            driver,
+            plant.motor_rad_per_m(),
+            self.vehicle.powertrain.body.mass_kg,
+            plant.moving_mass_kg(),
+            self.dt,
+        )?)
+    }
+
+    fn with_drives<B: Pack, D: Drives, S: Steering<D>>(
+        &self,
+        battery: B,
+        axles: Axles<D>,
+        ledger: bool,
+        driver: impl FnOnce(&Powertrain<NoLedger, B, D>) -> anyhow::Result<S>,
+    ) -> anyhow::Result<Run> {
+        let plant = Powertrain::of(battery, axles, &self.vehicle.powertrain, self.dt)?;
+        let driver = driver(&plant)?;
+        if !ledger {
+            return Ok(self.along(&plant, &driver)?.0);
+        }
+        let plant = plant.with_ledger();
+        let (mut run, start, end) = self.along(&plant, &driver)?;
         run.energy = Some(plant.energy(&start, &end));
         Ok(run)
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
-    fn along<L: Book, B: Pack>(
+    fn along<L: Book, B: Pack, D: Drives>(
         &self,
-        plant: &Powertrain<L, B>,
-    ) -> anyhow::Result<Driven<L, B::State>> {
-        let driver = Driver::new(self.vehicle.driver, &self.vehicle.powertrain, self.dt)?;
+        plant: &Powertrain<L, B, D>,
+        driver: &impl Steering<D>,
+    ) -> anyhow::Result<Driven<L, B::State, D::State>> {
         let rows = &self.route.rows;
         let first = rows.first().context("an empty route")?;
         let mut start = plant.at_speed(self.start_soc, first.speed_m_s as f32)?;
@@ -102,7 +180,7 @@ impl Drive<'_> {
             if until > steps {
                 plant.battery().set_temperature(&mut loop_state.plant.battery, row.battery_c);
                 let stretch = Stretch::new(row, next, steps, until, self.dt_s);
-                let sound = loop_state.along(plant, &driver, &stretch, &mut kept);
+                let sound = loop_state.along(plant, driver, &stretch, &mut kept);
                 anyhow::ensure!(
                     sound,
                     "the plant refused its input before {:.3} s: the run diverged; try a shorter step",
@@ -121,7 +199,7 @@ impl Drive<'_> {
 }
 
 /// A run, and the states at its start and its end.
-type Driven<L, S> = (Run, PowertrainState<L, S>, PowertrainState<L, S>);
+type Driven<L, S, E> = (Run, PowertrainState<L, S, E>, PowertrainState<L, S, E>);
 
 /// The steps between two rows: the reference is a line, the rest holds.
 struct Stretch {
@@ -156,19 +234,19 @@ impl Stretch {
 }
 
 /// What the stepping loop carries along.
-struct Loop<L, S> {
-    plant: PowertrainState<L, S>,
+struct Loop<L, S, E> {
+    plant: PowertrainState<L, S, E>,
     driver: DriverState,
     feedback: Feedback,
     totals: Totals,
 }
 
-impl<L: Book, S: Copy> Loop<L, S> {
+impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
     /// The loop itself. Whether every step was accepted; `kept` gets the end of the last one.
-    fn along<B: Pack<State = S>>(
+    fn along<B: Pack<State = S>, D: Drives<State = E>>(
         &mut self,
-        plant: &Powertrain<L, B>,
-        driver: &Driver,
+        plant: &Powertrain<L, B, D>,
+        driver: &impl Steering<D>,
         stretch: &Stretch,
         kept: &mut TraceRow,
     ) -> bool {
@@ -185,32 +263,31 @@ impl<L: Book, S: Copy> Loop<L, S> {
             let error = reference_m_s - feedback.speed_m_s;
             squares += error * error;
             totals.speed_error_max_m_s = num::max(totals.speed_error_max_m_s, error.abs());
-            let command = driver.step(
-                &mut driving,
-                DriverInput { reference_m_s, reference_m_s2: stretch.rate_m_s2, vehicle: feedback },
-            );
-            road.brake_n = command.brake_n;
+            let seen =
+                DriverInput { reference_m_s, reference_m_s2: stretch.rate_m_s2, vehicle: feedback };
+            let (command, brake_n) = driver.steer(&mut driving, seen, plant.drives());
+            road.brake_n = brake_n;
             let out = plant.step(
                 &mut state,
                 PowertrainInput {
                     road,
                     auxiliary_w: stretch.auxiliary_w,
-                    ..PowertrainInput::on(command.duty)
+                    ..PowertrainInput::with(command)
                 },
             );
-            feedback = Feedback::from(&out);
+            feedback = plant.seen_of(&out);
             energy_w += out.battery_v * out.battery_a;
-            widen(&mut totals.motor_torque_nm, out.drives.motor_nm);
+            widen(&mut totals.motor_torque_nm, feedback.motor_nm);
             widen(&mut totals.battery_current_a, out.battery_a);
             totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, out.battery_v);
             totals.limited_steps += u64::from(feedback.limited);
             sound &= !out.rejected;
             kept.speed_m_s = out.speed_m_s;
             kept.distance_m = out.distance_m;
-            kept.duty = out.drives.duty;
-            kept.motor_torque_nm = out.drives.motor_nm;
-            kept.brake_n = command.brake_n;
-            kept.motor_current_a = out.drives.motor_a;
+            kept.duty = feedback.duty;
+            kept.motor_torque_nm = feedback.motor_nm;
+            kept.brake_n = brake_n;
+            kept.motor_current_a = feedback.motor_a;
             kept.battery_current_a = out.battery_a;
             kept.battery_voltage_v = out.battery_v;
             kept.soc = out.soc;

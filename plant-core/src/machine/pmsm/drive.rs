@@ -12,8 +12,8 @@
 //! Tests: `drive/tests.rs`; property `drives`; cases "PMSM vehicle".
 
 use super::{DqLaw, DqWinding, PmsmParams, REFERENCE_C};
-use crate::converter::{ConverterParams, Gates};
-use crate::error::{ParamError, check, limit, not_negative};
+use crate::converter::{Converter, ConverterParams, Gates};
+use crate::error::{ParamError, check};
 use crate::machine::axis::{Axis, AxisBounds};
 use crate::machine::transform::{Dq, LARGEST_PER_BUS};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Wish};
@@ -116,18 +116,18 @@ impl PmsmDrive {
         motor_rad_per_m: Real,
         dt: Dt,
     ) -> Result<Self, ParamError> {
-        let inverter_ohm =
-            check!(not_negative("converter.resistance_ohm", inverter.resistance_ohm));
+        let inverter = check!(Converter::new(inverter)).params;
         if inverter.voltage_drop_v != 0.0 {
             return Err(ParamError::OutOfRange("converter.voltage_drop_v"));
         }
+        let inverter_ohm = inverter.resistance_ohm;
         let mut whole = *params;
         whole.resistance_ohm += inverter_ohm;
         Ok(Self {
             winding: check!(DqWinding::new(&whole, dt)).reflected(motor_rad_per_m),
             inverter_ohm,
-            current_limit_a: check!(limit("converter.current_limit_a", inverter.current_limit_a)),
-            modulation_limit: min(check!(limit("converter.duty_limit", inverter.duty_limit)), 1.0),
+            current_limit_a: inverter.current_limit_a,
+            modulation_limit: min(inverter.duty_limit, 1.0),
             motor_rad_per_m,
             torque_gain: lag_gain(dt.s() * torque_rate_per_s),
         })
@@ -361,8 +361,8 @@ impl Machine for PmsmDrive {
     }
 
     #[inline(always)]
-    fn duty_and_current(_output: &PmsmDriveOutput) -> (Real, Real) {
-        (0.0, 0.0)
+    fn duty_and_current(output: &PmsmDriveOutput) -> (Real, Real) {
+        (output.modulation.length(), output.current_a.length())
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The angle of a shaft, `dθ/dt = ω`.
 //!
-//! The relation is that of \[EPowertrain2025, `RotAxis`\], without its inertia (a load on the shaft
-//! has one); the angle in turns is ours.
+//! The relation is that of \[EPowertrain2025, `RotAxis`\], without its inertia ([`RotAxis`](super::RotAxis)
+//! has it); the angle in turns is ours.
 //!
 //! Tests: below; property `finite`; case "load on a shaft".
 

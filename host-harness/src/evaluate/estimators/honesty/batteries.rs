@@ -84,6 +84,53 @@ impl Chemistry {
     }
 }
 
+impl Chemistry {
+    /// How many cells in series.
+    pub(super) const fn cells(self) -> f32 {
+        match self {
+            Self::Cell | Self::Flat => 1.0,
+            Self::Pack => 96.0,
+        }
+    }
+
+    /// One of its cells.
+    pub(super) fn cell(self) -> MappedBatteryParams {
+        let mut battery = self.params();
+        in_series(&mut battery, 1.0 / self.cells());
+        battery
+    }
+
+    /// Where a cell counts as empty \[V\].
+    pub(super) const fn empty_v(self) -> f32 {
+        match self {
+            Self::Cell | Self::Pack => 2.7,
+            Self::Flat => 2.5,
+        }
+    }
+
+    /// Other cells in its place: their curve and resistances, its capacity.
+    pub(super) fn other(self) -> MappedBatteryParams {
+        let (own, other) =
+            (self.params(), if self == Self::Flat { Self::Cell } else { Self::Flat });
+        let mut battery = other.params();
+        in_series(&mut battery, self.cells());
+        battery.capacity_ah = own.capacity_ah;
+        scale_resistances(&mut battery, other.params().capacity_ah / own.capacity_ah);
+        battery
+    }
+}
+
+/// So many times the cells in series.
+pub(super) fn in_series(battery: &mut MappedBatteryParams, times: f32) {
+    scale_resistances(battery, times);
+    battery.hysteresis.half_gap_v *= times;
+    if let OpenCircuit::Table(table) = battery.open_circuit
+        && let Ok(table) = SocTable::new("open_circuit", table.values().map(|v| v * times))
+    {
+        battery.open_circuit = OpenCircuit::Table(table);
+    }
+}
+
 /// Every resistance larger by a factor.
 pub(super) fn scale_resistances(battery: &mut MappedBatteryParams, factor: f32) {
     for over in [

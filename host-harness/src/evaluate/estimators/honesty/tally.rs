@@ -1,11 +1,22 @@
 //! What the samples of a run come to.
 
 use serde::Serialize;
-use voltstep_bms::Estimate;
-use voltstep_bms::estimate::ekf::EkfStatus;
 
 /// A flag may come so much later than the truth has left \[s\].
 const LATE_S: f64 = 60.0;
+
+/// What an estimator says at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Said {
+    /// What it is asked for.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// It says that something contradicts.
+    pub contradicted: bool,
+    /// It says that it is outside what it knows.
+    pub outside_known: bool,
+}
 
 /// Counts of one run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -23,17 +34,17 @@ pub struct Tally {
 
 impl Tally {
     /// One sample, `dt_s` after the last.
-    pub fn book(&mut self, estimate: &Estimate, status: EkfStatus, truth: f64, dt_s: f64) {
-        let sd = f64::from(estimate.soc_sd);
-        let apart = (f64::from(estimate.soc) - truth).abs() / sd;
-        let flagged = !status.consistent || status.outside_identified;
+    pub fn book(&mut self, said: Said, truth: f64, dt_s: f64) {
+        let Said { value, sd, contradicted, outside_known } = said;
+        let apart = (value - truth).abs() / sd;
+        let flagged = contradicted || outside_known;
         let inside = apart <= 3.0;
         self.outside_s = if inside { 0.0 } else { self.outside_s + dt_s };
         let count = |yes: bool| f64::from(u8::from(yes));
         self.samples += 1.0;
         self.inside += count(inside);
         self.silent += count(self.outside_s > LATE_S && !flagged);
-        self.flagged += count(!status.consistent);
+        self.flagged += count(contradicted);
         self.sum_sd += sd;
         self.sum_square += (apart * sd) * (apart * sd);
         self.worst = self.worst.max(apart);

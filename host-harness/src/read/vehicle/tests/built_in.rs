@@ -8,7 +8,9 @@ use super::super::*;
 fn every_built_in_file_equals_its_preset_and_the_other_way_round() {
     let constant = presets::VEHICLES.map(|preset| in_full(preset, VehicleBattery::Constant));
     let mapped = presets::MAPPED_VEHICLES.map(|preset| in_full(preset, VehicleBattery::Mapped));
-    let mut expected = [&constant[..], &mapped].concat();
+    let pmsm = in_full(&presets::BMW_I3_60AH_PMSM, VehicleBattery::Constant);
+    let two_axles = in_full(&presets::TWO_AXLES, VehicleBattery::Constant);
+    let mut expected = [&constant[..], &mapped, &[pmsm, two_axles]].concat();
     expected.sort_by(|a, b| a.name.cmp(&b.name));
     let built_in = builtin();
     assert_eq!(built_in.len(), expected.len());
@@ -22,8 +24,8 @@ fn every_built_in_file_equals_its_preset_and_the_other_way_round() {
 }
 
 /// What a file of the same vehicle says, but for the words.
-fn in_full<P: Copy>(
-    preset: &presets::Vehicle<P>,
+fn in_full<P: Copy, D: Copy + Into<VehicleDrives>>(
+    preset: &presets::Vehicle<P, D>,
     battery: impl FnOnce(P) -> VehicleBattery,
 ) -> Vehicle {
     Vehicle {
@@ -31,7 +33,10 @@ fn in_full<P: Copy>(
         description: String::new(),
         source: String::new(),
         initial_soc: preset.initial_soc,
-        powertrain: preset.powertrain.with_battery(battery(preset.powertrain.battery)),
+        powertrain: preset
+            .powertrain
+            .with_battery(battery(preset.powertrain.battery))
+            .with_drives(preset.powertrain.drives.into()),
         driver: preset.driver,
     }
 }

@@ -1,0 +1,7 @@
+mod driver;
+mod machine;
+mod mutants;
+mod plant;
+mod precharge;
+mod properties;
+mod walk;

@@ -1,0 +1,385 @@
+//! Measurements judged by every row.
+
+use plant_core::error::check;
+use plant_core::num::{LARGEST, clamp, lag_gain, max, min, sane};
+use plant_core::{ParamError, Real};
+
+use super::debounce::DebounceState;
+use super::derive::RATE_S;
+use super::id::{Faults, Flow, Id, ROWS};
+use super::look::{FOLLOW, Look, Moves, Taken, taken};
+use super::row::{Clear, Pace, Reaction, Row, Trip};
+use super::signals::{Signals, Verdict};
+use super::table::Table;
+use crate::Measurements;
+
+mod seen;
+
+/// A cell's resistance may be this many times less than the largest of its life.
+const RESISTANCE_RANGE: Real = 10.0;
+/// A move that no converter hides, in its steps.
+const STEPS: Real = 8.0;
+/// Cells that all move this share of their window within a second say that the current moved.
+const JUMP: Real = 0.05;
+
+/// Judges measurements by every row of a [`Table`], each at its pace.
+///
+/// ```
+/// use voltstep_bms::protect::{EXAMPLE, Id, Level, Protection, ProtectionState, Side, Signals};
+/// use voltstep_bms::protect::{Table, Trip};
+/// use voltstep_bms::{Measurements, Reading, must};
+///
+/// const TABLE: Table = must!(Table::new(EXAMPLE));
+/// const PROTECTION: Protection<14, 4> = must!(Protection::new(&TABLE));
+///
+/// let mut now: Measurements<14, 4> = Measurements {
+///     cell_v: [Reading::new(3.7); 14],
+///     temperature_c: [Reading::new(25.0); 4],
+///     current_a: Reading::new(12.0),
+///     pack_v: Reading::new(51.8),
+///     link_v: Reading::new(51.8),
+/// };
+/// let mut state = ProtectionState::NEW;
+/// for _ in 0..40 {
+///     PROTECTION.step(&mut state, &now, &Signals::QUIET);
+/// }
+/// let verdict = PROTECTION.step(&mut state, &now, &Signals::QUIET);
+/// assert!(verdict.permit && verdict.trip == Trip::None);
+///
+/// now.cell_v[9] = Reading::new(4.3);
+/// let ticks = (1..).find(|_| {
+///     PROTECTION.step(&mut state, &now, &Signals::QUIET).trip == Trip::Hard
+/// });
+/// assert!(ticks.is_some_and(|ms| ms <= 100));
+/// assert!(state.latched().has(Id::CellVoltage(Side::High, Level::Msl)));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Protection<'t, const CELLS: usize, const SENSORS: usize> {
+    table: &'t Table,
+    rate_gain: Real,
+    cell_moves_a: Real,
+    temperature_moves_k: Real,
+    jump_v: Real,
+    slow_v: Real,
+}
+
+/// The state of a [`Protection`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProtectionState<const CELLS: usize, const SENSORS: usize> {
+    rows: [DebounceState; ROWS],
+    tripped: Faults,
+    latched: Faults,
+    tick: u16,
+    /// A whole sweep was seen since the start.
+    swept: bool,
+    cells: Look,
+    temperatures: Look,
+    /// Of the sweep before.
+    last_cells: Look,
+    last_temperatures: Look,
+    cell_moves: Moves<CELLS>,
+    temperature_moves: Moves<SENSORS>,
+    slow_c: [Real; SENSORS],
+    fastest_k_per_s: Real,
+    last_fastest_k_per_s: Real,
+    pub(super) stuck: Faults,
+    pub(super) heat_a2s: [Real; 2],
+    current_a: Real,
+    /// Lowest and highest cell, where they were when the current had last moved, following slowly
+    /// \[V\].
+    jump_from_v: [Real; 2],
+    follow: u8,
+}
+
+impl<const CELLS: usize, const SENSORS: usize> ProtectionState<CELLS, SENSORS> {
+    /// Nothing seen.
+    pub const NEW: Self = Self {
+        rows: [DebounceState::NEW; ROWS],
+        tripped: Faults::NONE,
+        latched: Faults::NONE,
+        tick: 0,
+        swept: false,
+        cells: Look::NEW,
+        temperatures: Look::NEW,
+        last_cells: Look::NEW,
+        last_temperatures: Look::NEW,
+        cell_moves: Moves::NEW,
+        temperature_moves: Moves::NEW,
+        slow_c: [Real::NAN; SENSORS],
+        fastest_k_per_s: 0.0,
+        last_fastest_k_per_s: 0.0,
+        stuck: Faults::NONE,
+        heat_a2s: [0.0; 2],
+        current_a: Real::NAN,
+        jump_from_v: [Real::NAN; 2],
+        follow: 0,
+    };
+
+    /// After a power cut, with what only a workshop may end.
+    #[must_use]
+    pub const fn locked_by(id: Id) -> Self {
+        Self { latched: Faults::NONE.with(id), ..Self::NEW }
+    }
+
+    /// Rows that stay until somebody ends them.
+    #[must_use]
+    pub const fn latched(&self) -> Faults {
+        self.latched
+    }
+
+    /// Lowest and highest cell of the last sweep \[V\]; `None` where none was seen.
+    #[must_use]
+    pub fn cell_extremes_v(&self) -> Option<(Real, Real)> {
+        (self.last_cells.seen > 0).then_some((self.last_cells.lowest, self.last_cells.highest))
+    }
+
+    /// Coldest and hottest sensor of the last sweep \[°C\]; `None` where none was seen.
+    #[must_use]
+    pub fn temperature_extremes_c(&self) -> Option<(Real, Real)> {
+        let look = &self.last_temperatures;
+        (look.seen > 0).then_some((look.lowest, look.highest))
+    }
+}
+
+/// The readings that are judged in every call.
+#[derive(Clone, Copy)]
+struct Fast {
+    current: Taken,
+    pack: Taken,
+    link: Taken,
+}
+
+impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS> {
+    /// Takes a table of as many cells in series.
+    ///
+    /// # Errors
+    /// [`ParamError::LengthsDiffer`] where the table is one of another pack.
+    pub const fn new(table: &'t Table) -> Result<Self, ParamError> {
+        let sheet = table.sheet();
+        check!(sheet.checked());
+        if sheet.layout.series as usize != CELLS || SENSORS == 0 {
+            return Err(ParamError::LengthsDiffer("layout.series"));
+        }
+        let (cell, temperature) = (&sheet.sensing.cell_v, &sheet.sensing.temperature_c);
+        let least_ohm = sheet.cell.resistance_ohm / RESISTANCE_RANGE;
+        let window_v = sheet.cell.voltage.operating_max_v - sheet.cell.voltage.operating_min_v;
+        Ok(Self {
+            table,
+            rate_gain: lag_gain(sheet.sweep_s() / RATE_S),
+            cell_moves_a: STEPS * cell.resolution * sheet.layout.parallel as Real / least_ohm,
+            temperature_moves_k: max(STEPS * temperature.resolution, 2.0 * temperature.error),
+            jump_v: JUMP * window_v,
+            slow_v: JUMP * window_v * sheet.sweep_s(),
+        })
+    }
+
+    /// The table.
+    #[must_use]
+    pub const fn table(&self) -> &'t Table {
+        self.table
+    }
+
+    /// One call: the next share of cells and temperatures is looked at, current, pack and link are,
+    /// and every row that is due is judged.
+    pub fn step(
+        &self,
+        state: &mut ProtectionState<CELLS, SENSORS>,
+        now: &Measurements<CELLS, SENSORS>,
+        signals: &Signals,
+    ) -> Verdict {
+        let sheet = self.table.sheet();
+        let sensing = &sheet.sensing;
+        let tick_s = sheet.tick_s;
+        let fast = Fast {
+            current: taken(&now.current_a, &sensing.current_a, sensing.current_a.oldest_s(tick_s)),
+            pack: taken(&now.pack_v, &sensing.pack_v, sensing.pack_v.oldest_s(tick_s)),
+            link: taken(&now.link_v, &sensing.link_v, sensing.link_v.oldest_s(tick_s)),
+        };
+        self.warm(state, fast.current.value());
+        self.look(state, now);
+        let ends = state.tick + 1 >= sheet.sweep_ticks;
+        state.tick = if ends { 0 } else { state.tick + 1 };
+        if ends {
+            self.end_sweep(state, fast.current.value());
+        }
+
+        let (mut rose, mut fell) = (Faults::NONE, Faults::NONE);
+        for (row, id) in self.table.rows().iter().zip(Id::ALL) {
+            if row.pace == Pace::Sweep && !ends {
+                continue;
+            }
+            let sample = row.judge(self.seen(state, &fast, signals, id));
+            let Some(debounce) = state.rows.get_mut(usize::from(id.index())) else { continue };
+            let (before, after) = (debounce.tripped(), row.debounce.step(debounce, sample));
+            if after && !before {
+                rose = rose.with(id);
+            } else if before && !after {
+                fell = fell.with(id);
+            }
+        }
+        state.tripped = state.tripped.union(rose).minus(fell);
+        self.verdict(state, &fast, signals, rose, fell)
+    }
+
+    /// What follows from the rows.
+    fn verdict(
+        &self,
+        state: &mut ProtectionState<CELLS, SENSORS>,
+        fast: &Fast,
+        signals: &Signals,
+        rose: Faults,
+        fell: Faults,
+    ) -> Verdict {
+        if signals.clear > Clear::No && !state.latched.is_empty() {
+            for id in state.latched.iter() {
+                let quiet =
+                    state.rows.get(usize::from(id.index())).is_some_and(DebounceState::quiet);
+                if quiet && self.table.row(id).clear <= signals.clear {
+                    state.latched = state.latched.without(id);
+                }
+            }
+        }
+        let (mut trip, mut forbidden) = (Trip::None, !state.latched.is_empty());
+        if !state.tripped.is_empty() {
+            for id in state.tripped.iter() {
+                let row = self.table.row(id);
+                if !self.in_effect(row, fast.current) {
+                    continue;
+                }
+                if row.clear > Clear::No {
+                    state.latched = state.latched.with(id);
+                    forbidden = true;
+                }
+                forbidden |= row.reaction >= Reaction::Soft;
+                trip = if row.reaction.trip() > trip { row.reaction.trip() } else { trip };
+            }
+        }
+        let seen = state.swept
+            && state.last_cells.complete()
+            && state.last_temperatures.complete()
+            && fast.current.value().is_some()
+            && fast.pack.value().is_some()
+            && fast.link.value().is_some();
+        Verdict {
+            trip,
+            permit: seen && !forbidden,
+            tripped: state.tripped,
+            latched: state.latched,
+            rose,
+            fell,
+        }
+    }
+
+    /// A temperature at which a battery may not be charged harms none that is not.
+    fn in_effect(&self, row: &Row, current: Taken) -> bool {
+        let Id::Temperature(flow, ..) = row.id else { return true };
+        let Some(current_a) = current.value() else { return true };
+        let sensor = &self.table.sheet().sensing.current_a;
+        along(flow, current_a) > sensor.error + sensor.hysteresis()
+    }
+
+    /// The charge of squared current above the continuous one.
+    fn warm(&self, state: &mut ProtectionState<CELLS, SENSORS>, current_a: Option<Real>) {
+        let sheet = self.table.sheet();
+        let Some(current_a) = current_a else { return };
+        for (heat, flow) in state.heat_a2s.iter_mut().zip([Flow::Discharge, Flow::Charge]) {
+            let currents = match flow {
+                Flow::Discharge => &sheet.cell.discharge,
+                Flow::Charge => &sheet.cell.charge,
+            };
+            let continuous_a = currents.continuous_a * Real::from(sheet.layout.parallel);
+            let flowing_a = max(0.0, along(flow, current_a));
+            let over = flowing_a * flowing_a - continuous_a * continuous_a;
+            *heat = min(LARGEST, max(0.0, *heat + over * sheet.tick_s));
+        }
+    }
+
+    /// The share of cells and temperatures whose turn it is.
+    fn look(
+        &self,
+        state: &mut ProtectionState<CELLS, SENSORS>,
+        now: &Measurements<CELLS, SENSORS>,
+    ) {
+        let sheet = self.table.sheet();
+        let (turn, turns) = (usize::from(state.tick), usize::from(sheet.sweep_ticks));
+        let sensor = &sheet.sensing.cell_v;
+        let oldest_s = sensor.oldest_s(sheet.tick_s);
+        let (from, to) = (CELLS * turn / turns, CELLS * (turn + 1) / turns);
+        for (index, reading) in now.cell_v.iter().enumerate().take(to).skip(from) {
+            let taken = taken(reading, sensor, oldest_s);
+            state.cells.take(taken);
+            state.cell_moves.take(index, taken.value());
+        }
+        let sensor = &sheet.sensing.temperature_c;
+        let oldest_s = sensor.oldest_s(sheet.tick_s);
+        let (from, to) = (SENSORS * turn / turns, SENSORS * (turn + 1) / turns);
+        for (index, reading) in now.temperature_c.iter().enumerate().take(to).skip(from) {
+            let taken = taken(reading, sensor, oldest_s);
+            state.temperatures.take(taken);
+            state.temperature_moves.take(index, taken.value());
+            if let (Some(value_c), Some(slow_c)) = (taken.value(), state.slow_c.get_mut(index)) {
+                if !sane(*slow_c) {
+                    *slow_c = value_c;
+                }
+                let ahead_k = value_c - *slow_c;
+                state.fastest_k_per_s = max(ahead_k / RATE_S, state.fastest_k_per_s);
+                *slow_c += self.rate_gain * ahead_k;
+            }
+        }
+    }
+
+    /// Everything was looked at once more.
+    fn end_sweep(&self, state: &mut ProtectionState<CELLS, SENSORS>, current_a: Option<Real>) {
+        let shows = |value: Option<Real>| value.unwrap_or(Real::NAN);
+        let mut stuck = Faults::NONE;
+        if state.cell_moves.stuck(shows(current_a), self.cell_moves_a) {
+            stuck = stuck.with(Id::StuckCell);
+        }
+        let mean_c = shows(state.temperatures.mean());
+        if state.temperature_moves.stuck(mean_c, self.temperature_moves_k) {
+            stuck = stuck.with(Id::StuckTemperature);
+        }
+        if self.current_stuck(state, shows(current_a)) {
+            stuck = stuck.with(Id::StuckCurrent);
+        }
+        state.stuck = stuck;
+        state.last_cells = state.cells;
+        state.last_temperatures = state.temperatures;
+        state.last_fastest_k_per_s = state.fastest_k_per_s;
+        (state.cells, state.temperatures) = (Look::NEW, Look::NEW);
+        state.fastest_k_per_s = 0.0;
+        state.swept = true;
+    }
+
+    /// All cells have jumped and the current is the same to the bit: it is stuck, until it moves.
+    fn current_stuck(&self, state: &mut ProtectionState<CELLS, SENSORS>, current_a: Real) -> bool {
+        let now_v = [state.cells.lowest, state.cells.highest];
+        #[expect(clippy::float_cmp, reason = "a stuck reading is the same to the bit")]
+        let moved = current_a != state.current_a;
+        state.current_a = current_a;
+        if moved {
+            state.follow = FOLLOW;
+        }
+        // The cells' readings need time to follow; what they do slowly is no jump.
+        let slow_v = if state.follow > 0 { LARGEST } else { self.slow_v };
+        state.follow = state.follow.saturating_sub(1);
+        for (from_v, now_v) in state.jump_from_v.iter_mut().zip(now_v) {
+            *from_v += clamp(now_v - *from_v, -slow_v, slow_v);
+            if !sane(*from_v) {
+                *from_v = now_v;
+            }
+        }
+        let [low_v, high_v] = [0, 1].map(|end: usize| now_v[end] - state.jump_from_v[end]);
+        let jumped = low_v * high_v > 0.0 && min(low_v.abs(), high_v.abs()) > self.jump_v;
+        !moved && (jumped || state.stuck.has(Id::StuckCurrent))
+    }
+}
+
+/// A current in a direction, positive where it flows that way \[A\].
+const fn along(flow: Flow, current_a: Real) -> Real {
+    match flow {
+        Flow::Discharge => current_a,
+        Flow::Charge => -current_a,
+    }
+}

@@ -1,0 +1,6 @@
+mod debounce;
+mod judge;
+mod latch;
+mod scene;
+mod table;
+mod time;
