@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `components`, `parts`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `parts`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -23,6 +23,7 @@ mod motor;
 mod parts;
 mod pmsm;
 mod sampled;
+mod sampled_vehicle;
 mod signals;
 mod tolerance;
 mod torque_loops;
@@ -193,6 +194,7 @@ fn cases() -> Vec<Case> {
     cases.extend(torque_loops::CASES);
     cases.extend(field_oriented::CASES);
     cases.extend(sampled::CASES);
+    cases.extend(sampled_vehicle::CASES);
     cases.extend(components::CASES);
     cases.extend(parts::CASES);
     cases.extend(battery_map::CASES);

@@ -71,6 +71,7 @@ fn in_continuous_time() -> anyhow::Result<Vec<Sample>> {
         j: INERTIA,
         bm: VISCOUS,
         gear: 1.0,
+        gear_loss: 0.0,
         rate: f64::NAN,
     };
     let shaft = Description {

@@ -336,16 +336,67 @@ const SETTLED: &str = "0.22 s after the load; the slowest lag is 25 ms";
 pub const GATES_OFF: [Bound; 6] = drives(4e-3, 4e-6);
 /// The same under battery limits from outside.
 pub const LIMITS: [Bound; 6] = drives(2e-3, 1e-6);
+/// Both with a synchronous machine.
+pub const PMSM_GATES_OFF: [Bound; 6] = drives(2e-3, 4e-6);
+/// At 10 ms the torque loop is there after a step, which is no longer first order. The current of the
+/// battery is the limit, so that the state of charge is right to its last bits.
+pub const PMSM_LIMITS: [Bound; 3] = [
+    Bound::new(SPEED_1MS, None, AtMost(5e-4), ADAPTIVE, "first order, h·bandwidth = 0.5"),
+    Bound::new("speed error, 1 ms over 0.1 ms", Some(10.0), Factor(2.0), "first order", GAIN),
+    Bound::new(SOC_1MS, None, AtMost(2e-7), ADAPTIVE, "rounding in f32"),
+];
 /// UDDS by torque loops, on one axle and on two.
 pub const TORQUE_LOOP: [Bound; 6] = drives(2e-4, 4e-6);
 pub const TWO_AXLES: [Bound; 6] = drives(2e-4, 4e-6);
+/// Under a controller that samples.
+pub const SAMPLED_VEHICLE: [Bound; 5] = [
+    Bound::new("speed, a tenth of a period, difference [m/s]", None, AtMost(1e-5), ADAPTIVE, PART),
+    Bound::new(
+        "speed error, a period over its tenth",
+        Some(10.0),
+        Factor(2.0),
+        "first order",
+        GAIN,
+    ),
+    Bound::new(
+        "current of the q axis, a tenth, difference [A]",
+        None,
+        AtMost(5e-3),
+        ADAPTIVE,
+        PART,
+    ),
+    Bound::new(
+        "current error, a period over its tenth",
+        Some(10.0),
+        Factor(2.0),
+        "first order",
+        GAIN,
+    ),
+    Bound::new("SOC, largest difference", None, AtMost(2e-7), ADAPTIVE, "rounding in f32"),
+];
+
+const PART: &str = "first order; the rotor turns by 0.02 in 10 µs";
+
+/// UDDS by a torque loop of the i3 with a synchronous machine, all of it; and, with a DC machine in
+/// front, as far as above.
+pub const PMSM_TORQUE_LOOP: [Bound; 6] = drives(2e-4, 1e-5);
+pub const PMSM_AND_DC: [Bound; 6] = drives(2e-4, 4e-6);
+/// Energy over the whole of UDDS with a synchronous machine.
+pub const PMSM_ENERGY: [Bound; 3] = [
+    Bound::new("battery energy at 1 ms [kWh]", None, Relative(0.003), ADAPTIVE, FIRST_ORDER),
+    Bound::new("energy error, 10 ms over 1 ms", Some(10.0), Factor(2.0), "first order", GAIN),
+    Bound::new("energy error, 1 ms over 0.1 ms", Some(10.0), Factor(2.0), "first order", GAIN),
+];
 pub const LIMIT_HELD: Bound = Bound::new(
-    "battery current that a limit holds at 1 ms [A]",
+    "battery current that a limit holds [A]",
     None,
     Relative(0.01),
     "the limit",
     "charging, the winding's field grows while the speed falls",
 );
+
+const SPEED_1MS: &str = "speed at 1 ms, largest difference [m/s]";
+const SOC_1MS: &str = "SOC at 1 ms, largest difference";
 
 const fn drives(speed_m_s: f64, soc: f64) -> [Bound; 6] {
     const fn gain(quantity: &'static str) -> Bound {
@@ -355,10 +406,10 @@ const fn drives(speed_m_s: f64, soc: f64) -> [Bound; 6] {
         Bound::new(quantity, None, AtMost(most), ADAPTIVE, FIRST_ORDER)
     }
     [
-        off("speed at 1 ms, largest difference [m/s]", speed_m_s),
+        off(SPEED_1MS, speed_m_s),
         gain("speed error, 10 ms over 1 ms"),
         gain("speed error, 1 ms over 0.1 ms"),
-        off("SOC at 1 ms, largest difference", soc),
+        off(SOC_1MS, soc),
         gain("SOC error, 10 ms over 1 ms"),
         gain("SOC error, 1 ms over 0.1 ms"),
     ]

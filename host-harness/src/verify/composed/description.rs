@@ -24,6 +24,8 @@ pub struct Drive {
     pub bm: f64,
     /// Turns of the machine per turn of the wheel.
     pub gear: f64,
+    /// Share of the torque that the gears rub away.
+    pub gear_loss: f64,
     /// Rate of the ideal current loop \[1/s\].
     pub rate: f64,
 }

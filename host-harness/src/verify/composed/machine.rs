@@ -122,29 +122,21 @@ impl Machine {
         }
     }
 
-    /// The least current for a torque: none along the magnets, but where reluctance helps.
-    pub fn currents(&self, torque: f64) -> Pair {
+    /// Where an ideal loop leads the currents for a torque: the q axis to what makes it beside the
+    /// d axis' current of now, the d axis to what is the least with that. So a torque is exact once
+    /// it stands.
+    pub fn aim(&self, torque: f64, i: Pair) -> Pair {
         match *self {
             Self::Dc { kt, .. } => [torque / kt, 0.0],
             Self::Pmsm { ld, lq, magnet, pairs, .. } => {
-                let per = 1.5 * pairs;
-                let mut q = torque / (per * magnet);
-                if ld == lq {
+                let more = ld - lq;
+                let q = torque / (1.5 * pairs * (magnet + more * i[0]));
+                if more == 0.0 {
                     return [0.0, q];
                 }
-                // Least current: (L_d − L_q)·(i_d² − i_q²) + ψ·i_d = 0; along it by Newton.
-                let more = ld - lq;
-                let d = |q: f64| {
-                    let half = magnet / (2.0 * more);
-                    -half + more.signum() * (half * half + q * q).sqrt()
-                };
-                for _ in 0..50 {
-                    let off = per * (magnet + more * d(q)) * q - torque;
-                    let h = 1e-6 * (1.0 + q.abs());
-                    let on = |q: f64| per * (magnet + more * d(q)) * q;
-                    q -= off * 2.0 * h / (on(q + h) - on(q - h));
-                }
-                [d(q), q]
+                // Least current: (L_d − L_q)·(i_d² − i_q²) + ψ·i_d = 0.
+                let half = magnet / (2.0 * more);
+                [-half + more.signum() * half.hypot(q), q]
             }
         }
     }

@@ -1,13 +1,15 @@
 //! The continuous equations of a vehicle with several drives, in double precision, written from the
 //! differential equations alone: one battery (RC1), one body on a road, and up to four drives, each
-//! a DC machine or a synchronous machine behind an averaged converter without losses, with its
-//! gearbox on the wheels (`EPowertrain2025`, errata applied). Nothing here calls `plant-core`.
+//! a DC machine or a synchronous machine behind an averaged converter without losses (the resistance
+//! of one adds to the winding's), with its gearbox on the wheels (`EPowertrain2025`, errata applied).
+//! Nothing here calls `plant-core`.
 //!
 //! ```text
 //! battery  V = V_oc(SOC) − V_rc − R_s·I     dSOC/dt = −I/(3600·Q)     C·dV_rc/dt = I − V_rc/R_p
 //! bus      I = Σ P_j/V + V/R_load + P_aux/V
 //! drive    L·di/dt = v − R·i − e(ω)         P = v·i, of a synchronous machine 3/2·v·i
 //! road     m·dv/dt = Σ T_j·N_j/r − air − viscous − M·g·sin α − F_c·sgn(v), set-valued at v = 0
+//!          F_c = C_r·M·g·cos α + brake + Σ (1 − η_j)·|T_j|·N_j/r
 //! ```
 //!
 //! What a converter makes of the bus is its command ([`Gates`]). Modes (standstill, a controller at
@@ -185,10 +187,14 @@ impl ComposedReference {
         self.p.mass + rotors.sum::<f64>()
     }
 
-    /// Rolling resistance and brake: what is set-valued \[N\].
-    fn friction(&self) -> f64 {
+    /// Rolling resistance, brake and gears: what is set-valued \[N\].
+    fn friction(&self, y: &State) -> f64 {
         let sin = self.command.sin;
-        self.p.cr * self.p.mass * G * (1.0 - sin * sin).sqrt() + self.command.brake
+        let gears = self.p.drives.iter().enumerate().map(|(n, d)| {
+            d.gear_loss * d.gear / self.p.radius * d.machine.torque(Self::currents(y, n)).abs()
+        });
+        let rolling = self.p.cr * self.p.mass * G * (1.0 - sin * sin).sqrt();
+        rolling + self.command.brake + gears.sum::<f64>()
     }
 
     fn air(&self, v: f64) -> f64 {
@@ -210,7 +216,7 @@ impl ComposedReference {
         if self.direction == 0.0 {
             return 0.0;
         }
-        (self.force(y) - self.direction * self.friction()) / self.moving()
+        (self.force(y) - self.direction * self.friction(y)) / self.moving()
     }
 
     /// The controller's raw output.
@@ -276,7 +282,7 @@ impl ComposedReference {
             Gates::Modulated(m) => (Draw { amperes: phases * dot(m, i), watts: 0.0 }, None),
             Gates::Volts(v) => (power(v), Some(d.machine.slope(i, w, v))),
             Gates::Torque(torque) => {
-                let aim = d.machine.currents(torque);
+                let aim = d.machine.aim(torque, i);
                 let slope = std::array::from_fn(|k| d.rate * (aim[k] - i[k]));
                 (power(d.machine.volts(i, w, slope)), Some(slope))
             }
@@ -357,7 +363,7 @@ impl System<STATES> for ComposedReference {
             + p.load_s * battery_v * battery_v
             + self.command.auxiliary_w
             + (self.air(y[V]) + p.mass * G * self.command.sin) * y[V]
-            + self.friction() * y[V].abs();
+            + self.friction(y) * y[V].abs();
         for (n, d) in p.drives.iter().enumerate() {
             let (i, w) = (Self::currents(y, n), d.gear / p.radius * y[V]);
             lost += d.machine.lost(i, w) + (d.bm + d.machine.iron(i)) * w * w;

@@ -158,7 +158,7 @@ impl ComposedReference {
 
     fn friction_margin(&self, y: &State) -> f64 {
         if self.direction == 0.0 {
-            self.friction() - self.force(y).abs()
+            self.friction(y) - self.force(y).abs()
         } else {
             self.direction * y[V]
         }
@@ -221,7 +221,7 @@ impl ComposedReference {
                 y[V] = 0.0;
             }
             let force = self.force(y);
-            self.direction = if force.abs() <= self.friction() { 0.0 } else { force.signum() };
+            self.direction = if force.abs() <= self.friction(y) { 0.0 } else { force.signum() };
         }
         if self.limit_margin(t, y) < 0.0
             && let Some(c) = &self.p.controller

@@ -1,4 +1,5 @@
-//! The parameter sets of the source work (`EPowertrain2025`).
+//! The parameter sets of the source work (`EPowertrain2025`), and the vehicles of several machines
+//! that `plant-core` names.
 
 use super::{Controller, Description, Drive, Machine};
 
@@ -7,6 +8,7 @@ const UDDS_DRIVE: Drive = Drive {
     j: 3.87e-7,
     bm: 4.21e-6,
     gear: 1.0,
+    gear_loss: 0.0,
     rate: f64::NAN,
 };
 
@@ -59,6 +61,7 @@ pub const I3: Description = Description {
         j: 0.031,
         bm: 5e-4,
         gear: 6.0,
+        gear_loss: 0.0,
         rate: f64::NAN,
     }],
     radius: 0.29,
@@ -68,4 +71,40 @@ pub const I3: Description = Description {
     cr: 0.0084,
     rho: 1.225,
     controller: Some(Controller { k: 0.5, i: 0.005, d: 0.1, min: -0.5, max: 1.0, smoothing: 1e6 }),
+};
+
+/// The i3 with a synchronous machine: winding and inverter in series, the wheels' inertia at the
+/// shaft of the machine.
+pub const I3_PMSM: Description = Description {
+    load_s: 0.0,
+    drives: &[PMSM_DRIVE],
+    radius: 0.340,
+    mass: 1490.0,
+    cr: 0.0131,
+    rho: 1.2,
+    controller: None,
+    ..I3
+};
+
+/// The same with a DC machine in front, whose converter has a resistance alone.
+pub const TWO_AXLES: Description = Description {
+    drives: &[
+        PMSM_DRIVE,
+        Drive {
+            machine: Machine::Dc { r: 6e-3, l: 50e-6, ke: 0.27, kt: 0.27 },
+            j: 0.031,
+            gear: 8.0,
+            ..PMSM_DRIVE
+        },
+    ],
+    ..I3_PMSM
+};
+
+const PMSM_DRIVE: Drive = Drive {
+    machine: Machine::Pmsm { r: 0.012, ld: 1e-4, lq: 2e-4, magnet: 0.04, pairs: 6.0, iron: 0.016 },
+    j: 0.031 + 2.2 / (9.665 * 9.665),
+    bm: 5e-4,
+    gear: 9.665,
+    gear_loss: 0.03,
+    rate: 500.0,
 };

@@ -78,8 +78,8 @@ pub struct PmsmLink {
     rise_a: Dq,
     per_v: Dq,
     per_speed: Dq,
-    /// The q current at which the command settles, as far as that is known \[A\].
-    ends_q_a: Real,
+    /// The currents at which the command settles, as far as that is known \[A\].
+    ends_a: Dq,
     on: bool,
     blocked: bool,
     clipped: bool,
@@ -144,7 +144,7 @@ impl PmsmDrive {
             rise_a: Dq::ZERO - i,
             per_v: Dq::ZERO,
             per_speed: Dq::ZERO,
-            ends_q_a: 0.0,
+            ends_a: Dq::ZERO,
             on: false,
             blocked: true,
             clipped: false,

@@ -26,12 +26,12 @@ impl Machine for PmsmDrive {
                 return (BusLaw { effort, slope: iron, ..BusLaw::default() }, link);
             }
             Gates::On(modulation) => {
-                link.ends_q_a = Real::NAN;
+                link.ends_a.q = Real::NAN;
                 modulation * LARGEST_PER_BUS
             }
             Gates::Torque(torque_nm) => {
                 let (rise_a, wanted_a) = self.toward(&link, i, torque_nm, seen.from_v);
-                link.ends_q_a = wanted_a.q;
+                link.ends_a = wanted_a;
                 let force = Self::force_of(&link, i + rise_a);
                 let dv =
                     seen.footing.speed_m_s + seen.footing.mobility * force.effort - seen.speed_m_s;
@@ -68,10 +68,13 @@ impl Machine for PmsmDrive {
             return (law, link);
         }
         let i = state.get();
-        match link.law.diode_v(i, LARGEST_PER_BUS * seen.bus_v) {
+        // The bus as it was: while diodes feed it, it is well above what it is alone, and the voltage's
+        // direction depends on that.
+        let from_v = max(seen.from_v, 1.0);
+        match link.law.diode_v(i, LARGEST_PER_BUS * from_v) {
             None => (law, link),
             Some(voltage_v) => {
-                link.per_bus = voltage_v * (1.0 / seen.bus_v);
+                link.per_bus = voltage_v * (1.0 / from_v);
                 Self::conducting(link, i, seen.from_v)
             }
         }
@@ -182,8 +185,15 @@ impl Machine for PmsmDrive {
 
     fn reached(&self, state: &DqCurrents, link: &PmsmLink, _collapsed: bool) -> Dq {
         let i = state.get();
-        let backwards = !link.on && link.per_bus.dot(i + link.rise_a) > 0.0;
-        if backwards { Dq::ZERO - i } else { link.rise_a }
+        if !link.on && link.per_bus.dot(i + link.rise_a) > 0.0 {
+            return Dq::ZERO - i;
+        }
+        if link.clipped || link.ends_a.q.is_nan() {
+            return link.rise_a;
+        }
+        // Without limits the bus would move, and all voltages with it; a loop sees only the bus that is.
+        let d = if link.on { (link.ends_a.d - i.d) * self.torque_gain } else { link.rise_a.d };
+        Dq { d, q: link.rise_a.q }
     }
 
     fn within_winding(&self, state: &DqCurrents, rise_a: Dq) -> Dq {
@@ -238,7 +248,7 @@ impl Machine for PmsmDrive {
             current_a: i.q,
         };
         // A voltage that was commanded leads somewhere beyond; the torque loop says where.
-        let ends_q_a = if link.ends_q_a.is_nan() { i.q + rise_a.q } else { link.ends_q_a };
+        let ends_q_a = if link.ends_a.q.is_nan() { i.q + rise_a.q } else { link.ends_a.q };
         let most_q_a = sqrt(max(self.current_limit_a * self.current_limit_a - d_a * d_a, 0.0));
         let (q, held) = axis.held(
             rise_a.q,
