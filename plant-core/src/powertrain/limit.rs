@@ -76,14 +76,22 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let starved =
             loads.current_a(bus.emf_v) > limits.discharge_a && walk.battery_a > limits.discharge_a;
         if starved {
+            let link = &walk.link;
+            let rises = self.drives.reached(&state.drives, link, false);
+            let speed_m_s = state.body.speed_m_s.get();
+            let motion = resistance.solve(self.drives.force(&state.drives, link, rises), speed_m_s);
+            let ended_m_s = speed_m_s + motion.increment_m_s;
+            let power_w = self.drives.wishes(&state.drives, link, rises, ended_m_s).power_w;
             let battery_v = source.voltage_v(limits.discharge_a);
-            let drives_a = walk.review.bus_a * walk.battery_v / battery_v;
-            let share = (limits.discharge_a - drives_a) / loads.current_a(battery_v);
+            let share = (limits.discharge_a - power_w / battery_v) / loads.current_a(battery_v);
             loads = loads.times(clamp(share, 0.0, 1.0));
-            let rises = self.drives.reached(&state.drives, &walk.link, false);
-            let at =
-                At { command, loads: &loads, bus: loads.leave(source), resistance: &resistance };
-            walk = self.imposed(state, &walk, rises, walk.motion, battery_v, &at);
+            let bus = loads.leave(source);
+            if let Some(bus_v) = bus_v(bus, power_w) {
+                let at = At { command, loads: &loads, bus, resistance: &resistance };
+                walk = self.imposed(state, &walk, rises, motion, bus_v, &at);
+            } else {
+                walk = self.again(state, command, link, &loads, bus, &resistance);
+            }
         }
         let over_a = max(walk.battery_a - limits.discharge_a, -walk.battery_a - limits.charge_a);
         let exceeded = over_a > EXCEEDED_REL * walk.battery_a.abs() + EXCEEDED_A;
@@ -144,8 +152,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         };
         let ended_m_s = v + motion.increment_m_s;
         let power_w = self.drives.wishes(&state.drives, link, rises, ended_m_s).power_w;
-        let headroom = half_v * half_v - bus.resistance_ohm * power_w;
-        let bus_v = half_v + sqrt(max(headroom, 0.0));
+        // A d axis may take more than the battery has: then nothing makes these currents.
+        let Some(bus_v) = bus_v(bus, power_w) else { return (walk, limited) };
         let at = At { command, loads, bus, resistance };
         (self.imposed(state, &walk, rises, motion, bus_v, &at), limited)
     }
@@ -194,6 +202,14 @@ struct At<'a, C> {
     loads: &'a Loads,
     bus: Source,
     resistance: &'a Resistance,
+}
+
+/// The voltage of a bus from which this power is taken, where it can be \[V\].
+#[inline(always)]
+fn bus_v(bus: Source, power_w: Real) -> Option<Real> {
+    let half_v = 0.5 * bus.emf_v;
+    let headroom = half_v * half_v - bus.resistance_ohm * power_w;
+    if headroom < 0.0 { None } else { Some(half_v + sqrt(headroom)) }
 }
 
 /// How the road answers in a friction mode.
