@@ -209,7 +209,12 @@ struct At<'a, C> {
 fn bus_v(bus: Source, power_w: Real) -> Option<Real> {
     let half_v = 0.5 * bus.emf_v;
     let headroom = half_v * half_v - bus.resistance_ohm * power_w;
-    if headroom < 0.0 { None } else { Some(half_v + sqrt(headroom)) }
+    if headroom < 0.0 {
+        return None;
+    }
+    let bus_v = half_v + sqrt(headroom);
+    // Loads alone may want more than there is.
+    if bus_v > 0.0 { Some(bus_v) } else { None }
 }
 
 /// How the road answers in a friction mode.

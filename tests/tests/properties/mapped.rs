@@ -90,7 +90,7 @@ proptest! {
             let road = Road { grade: Grade::from_sin(sin), ..Road::default() };
             for _ in 0..500 {
                 let input = PowertrainInput { road, auxiliary_w: 300.0, ..PowertrainInput::on(duty) };
-                prop_assert!(!plant.step(&mut s, input).rejected);
+                let before = s; let out = plant.step(&mut s, input); prop_assert!(!out.rejected, "{out:?} {before:?}");
             }
         }
         let report = plant.energy(&start, &s);
