@@ -9,11 +9,12 @@ mod flash;
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use panic_halt as _;
 use plant_core::auxiliary::Auxiliary;
 use plant_core::battery::{
-    Battery, BatteryParams, BatteryState, BranchMap, CurrentLimits, IdentifiedRange, MappedBattery,
-    MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
+    self, Battery, BatteryParams, BatteryState, BranchMap, CurrentLimits, IdentifiedRange,
+    MappedBattery, MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
 };
 use plant_core::control::driver::{Driver, TorqueDriver};
 use plant_core::control::foc::reference::Torque;
@@ -21,19 +22,24 @@ use plant_core::control::foc::{Foc, FocState};
 use plant_core::control::pid::{Pid, PidState};
 use plant_core::converter::{Converter, Gates};
 use plant_core::error;
-use plant_core::machine::dc::{CurrentLaw, DcMotor, Winding};
+use plant_core::machine::dc::{CurrentLaw, DcMotor, DcMotorParams, Winding};
 use plant_core::machine::flux::Flux;
-use plant_core::machine::pmsm::{DqLaw, DqWinding, Pmsm, PmsmInput, PmsmState};
+use plant_core::machine::pmsm::{
+    DqCurrents, DqLaw, DqWinding, Pmsm, PmsmDrive, PmsmInput, PmsmParams, PmsmState,
+};
 use plant_core::machine::transform::{self, Abc, AlphaBeta, Dq, RotorAngle};
+use plant_core::machine::{MachineFlows, Solved};
 use plant_core::mechanics::body::{Body, Resistance};
 use plant_core::mechanics::gearbox::Gearbox;
 use plant_core::mechanics::rotational::{Axis, RotAxis, RotationalLoad};
 use plant_core::mechanics::slope::{Grade, Slope, SlopeState};
 use plant_core::mechanics::wheel::Wheel;
 use plant_core::num::{self, SocTable};
-use plant_core::port::{self, Coast, Slip, Source};
+use plant_core::port::{self, BusLaw, BusRise, Coast, Slip, Source};
 use plant_core::powertrain::ledger::{EnergyLedger, EnergyReport, NoLedger};
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{
+    Axles, Drive, DriveParams, Drives, Powertrain, PowertrainInput, PowertrainParams,
+};
 use plant_core::signal::faults::{Drift, Lapse, Noise, Random};
 use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
 use plant_core::signal::sources::{Ramp, Saturation, Sine, Square, Step, TimeTable, UnitDelay};
@@ -42,6 +48,11 @@ use plant_core::thermal::{
 };
 use plant_core::{Accum, Dt, Model, ParamError};
 use voltstep_bms::Estimate;
+use voltstep_bms::balance::{self, Balancer};
+use voltstep_bms::contactor::{
+    self, Cause, ContactorControl, ContactorState, LinkTrend, PinFaults, PrechargeState,
+    PrechargeWatch,
+};
 use voltstep_bms::estimate::cells::{self, CellResistances, Cells};
 use voltstep_bms::estimate::coulomb::{CoulombCounter, CoulombState};
 use voltstep_bms::estimate::ekf::{Ekf, EkfParams, EkfState, Uncertainty};
@@ -49,7 +60,12 @@ use voltstep_bms::estimate::energy::EnergyGauge;
 use voltstep_bms::estimate::power::{PowerLimits, PowerWalk, TemperatureWindow};
 use voltstep_bms::estimate::series::Series;
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
+use voltstep_bms::limit::{self, Limiter};
+use voltstep_bms::log::{self, Entry, Log};
 use voltstep_bms::measure::{self, Reading, Spread};
+use voltstep_bms::protect::{
+    self, Debounce, DebounceState, Faults, Id, PackSheet, Reaction, Row, Seen, Table, Verdict,
+};
 use voltstep_bms::store::record::{self, Found, Record, Slot};
 
 type Plain = Powertrain<NoLedger>;
@@ -57,6 +73,14 @@ type Ledgered = Powertrain<EnergyLedger>;
 type WithBattery = PowertrainParams<BatteryParams>;
 type Mapped = Powertrain<NoLedger, MappedBattery>;
 type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
+
+/// Synchronous and DC machines alone, in pairs, in pairs of pairs.
+type Synchronous = Drive<PmsmDrive>;
+type OneOfEach = (Synchronous, Drive);
+type Four = ((Synchronous, Synchronous), (Drive, Drive));
+/// What drives them, and the same with a battery that depends on temperature and a ledger.
+type Composed<D> = Powertrain<NoLedger, Battery, D>;
+type ComposedLedgered<D> = Powertrain<EnergyLedger, MappedBattery, D>;
 
 /// Cells of the pack, and its temperature sensors.
 const CELLS: usize = 18;
@@ -67,6 +91,11 @@ type Delay = plant_core::signal::faults::Delay<3>;
 type CellResistancesState = cells::CellResistancesState<CELLS>;
 type Measurements = measure::Measurements<CELLS, SENSORS>;
 type RecordStore = record::RecordStore<flash::Flash>;
+type LogStore = log::LogStore<flash::Flash>;
+type Contactors = contactor::Contactors<Pin, Pin>;
+type BalancerState = balance::BalancerState<CELLS>;
+type Protection = protect::Protection<'static, CELLS, SENSORS>;
+type ProtectionState = protect::ProtectionState<CELLS, SENSORS>;
 
 /// Keeps functions that the linker would drop.
 macro_rules! keep {
@@ -77,8 +106,10 @@ macro_rules! keep {
 fn main() -> ! {
     components();
     drive();
+    composed();
     numbers();
     management();
+    protection();
     controls();
     loop {
         cortex_m::asm::nop();
@@ -115,11 +146,11 @@ fn components() {
         DqWinding::reflected, DqWinding::flux, DqWinding::pole_pairs, DqWinding::is_coarse,
         DqWinding::law, DqLaw::increment_a, DqLaw::admit, DqLaw::voltage_v, DqLaw::field_v, DqLaw::diode_v,
         DqLaw::torque_nm, Pmsm::new, Pmsm::winding, Pmsm::coast, Pmsm::step, Pmsm::step_at_speed,
-        PmsmInput::cold, PmsmState::current_a,
+        PmsmInput::cold, PmsmState::current_a, DqCurrents::get, MachineFlows::times, Solved::<()>::of,
         Dq::dot, Dq::turned, Dq::length, Dq::within, Dq::to_stator, AlphaBeta::to_rotor,
         AlphaBeta::to_phases, Abc::to_vector, RotorAngle::of_turns, transform::duties,
         transform::averaged_inverter,
-        Gearbox::new, Gearbox::coast, Gearbox::loss_ratio, Gearbox::step,
+        battery::temperature_factor, Gearbox::new, Gearbox::coast, Gearbox::loss_ratio, Gearbox::step,
         Wheel::new, Wheel::axle_rad_s, Wheel::coast, Wheel::step,
         Axis::new, Axis::step, RotAxis::new, RotAxis::coast, RotAxis::step,
         ThermalNode::new, ThermalNode::step, ThermalNodeState::at, ThermalPair::new, ThermalPair::step,
@@ -138,7 +169,7 @@ fn components() {
 #[rustfmt::skip]
 fn drive() {
     keep!(
-        Driver::new::<BatteryParams>, Driver::step, TorqueDriver::new::<BatteryParams>, TorqueDriver::step,
+        Driver::new::<BatteryParams>, Driver::step, TorqueDriver::new::<BatteryParams>, TorqueDriver::fitted, TorqueDriver::step,
         Foc::new, Foc::step, FocState::lacking_v, Torque::currents,
         PidState::integral, PidState::output, PidState::reset,
         Pid::new, Pid::preload, Pid::feed_back, Pid::saturate, Pid::step,
@@ -155,6 +186,48 @@ fn drive() {
     );
 }
 
+/// The plants of all kinds of drives.
+fn composed() {
+    keep!(
+        DriveParams::<DcMotorParams>::new,
+        DriveParams::<DcMotorParams>::on,
+        DriveParams::<PmsmParams>::on,
+        Axles::<Drive>::and::<Synchronous>,
+        unchanged,
+        PowertrainParams::<BatteryParams>::with_drives::<DriveParams<PmsmParams>>,
+        PowertrainParams::<BatteryParams, (DriveParams<PmsmParams>, DriveParams)>::build,
+        PowertrainInput::<(f32, f32)>::with,
+    );
+    plants::<Drive>();
+    plants::<Synchronous>();
+    plants::<(Drive, Drive)>();
+    plants::<(Synchronous, Synchronous)>();
+    plants::<OneOfEach>();
+    plants::<Four>();
+}
+
+/// Axles of other drives, which are the same.
+fn unchanged(axles: Axles<Drive>) -> Axles<Drive> {
+    Axles::map(axles, core::convert::identity)
+}
+
+/// All that a plant with these drives does.
+fn plants<D: Drives>() {
+    keep!(
+        D::command,
+        Composed::<D>::of::<BatteryParams, DriveParams>,
+        Composed::<D>::with_ledger,
+        Composed::<D>::drives,
+        Composed::<D>::at_rest,
+        Composed::<D>::motor_rad_per_m,
+        Composed::<D>::feedback,
+        Composed::<D>::seen_of,
+        Composed::<D>::step,
+        ComposedLedgered::<D>::step,
+        ComposedLedgered::<D>::energy,
+    );
+}
+
 #[rustfmt::skip]
 fn numbers() {
     keep!(
@@ -165,7 +238,7 @@ fn numbers() {
         num::exp, num::ln, num::floor, num::wrap_turns, num::sin_cos_turns,
         SocTable::new, SocTable::from_points, SocTable::at, SocTable::mean, SocTable::values,
         SocTable::is_monotone, SocTable::with_slope,
-        Source::stiff, Source::voltage_v, Source::loaded, Coast::plus, Coast::reflected,
+        Source::stiff, Source::voltage_v, Source::loaded, BusLaw::on, BusRise::at, Coast::plus, Coast::reflected,
         Coast::slope, Slip::sign, port::project,
         error::positive, error::not_negative, error::finite, error::limit, error::ratio,
         error::efficiency, error::above,
@@ -176,7 +249,7 @@ fn numbers() {
 fn management() {
     keep!(
         Reading::new, Reading::usable, Reading::usable_or_nan, Reading::age, Spread::of,
-        Measurements::age, Measurements::cells_or_nan, Measurements::cell_spread,
+        Measurements::age, Measurements::cells_or_nan, Measurements::cell_spread, Measurements::fits_in_series,
         Measurements::temperature_spread, <Measurements as Default>::default,
         Uncertainty::typical, EkfParams::typical, EkfState::soc, EkfState::variance, Ekf::new, Ekf::params,
         Ekf::start, Ekf::start_unknown, Ekf::start_rested, Ekf::step, Ekf::update, Ekf::refresh,
@@ -186,14 +259,14 @@ fn management() {
         CoulombCounter::rested, CoulombCounter::step, CoulombCounter::soc, CoulombCounter::soc_sd,
         CoulombCounter::review, CoulombCounter::pause, CoulombCounter::adopt,
         <CoulombCounter as Model>::step,
-        Cells::new, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
+        Cells::new, Cells::adopt::<CELLS>, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
         Series::resume::<CELLS>, Series::step::<CELLS>,
         CellsState::spread, CellResistances::new, CellResistances::start::<CELLS>,
         CellResistances::step::<CELLS>, CellResistancesState::ratio,
         Estimate::rested, Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
         CapacityEstimator::known, CapacityEstimator::step, ResistanceEstimator::new,
         ResistanceEstimator::unknown, ResistanceEstimator::known, ResistanceEstimator::step,
-        EnergyGauge::new, EnergyGauge::params, EnergyGauge::step, EnergyGauge::report, EnergyGauge::left,
+        EnergyGauge::new, EnergyGauge::params, EnergyGauge::step, EnergyGauge::report, EnergyGauge::walk, EnergyGauge::left,
         TemperatureWindow::share, PowerLimits::new, PowerLimits::ahead,
         PowerLimits::ahead_of_cells::<CELLS>, PowerLimits::walk, PowerLimits::walk_of_cells::<CELLS>,
         <PowerWalk as Default>::default,
@@ -201,6 +274,59 @@ fn management() {
         Record::of, Record::health, Record::age_s, Record::filter, Record::counter,
         RecordStore::new, RecordStore::load, RecordStore::save, RecordStore::release,
     );
+}
+
+#[rustfmt::skip]
+fn protection() {
+    keep!(
+        BalancerState::bleeding, BalancerState::to_bleed_as, BalancerState::disturbs, Balancer::new,
+        Balancer::step::<CELLS>,
+        contactor::current_class, LinkTrend::new, LinkTrend::of, PinFaults::any, Contactors::apply, Contactors::read,
+        ContactorControl::new, ContactorControl::start, ContactorControl::resume, ContactorControl::step,
+        PrechargeState::heat_j, PrechargeWatch::new, PrechargeWatch::cold, PrechargeWatch::warmed,
+        PrechargeWatch::ready, PrechargeWatch::begin, PrechargeWatch::cool, PrechargeWatch::step,
+        Cause::needs, Cause::code, Cause::at, Cause::faults, ContactorState::phase, ContactorState::cause,
+        ContactorState::tries, ContactorState::coils, ContactorState::power_allowed,
+        Limiter::new, Limiter::step, limit::arbitrate,
+        Entry::encode, Entry::decode, Log::new, Log::write, Log::entries, Log::occurrences, Log::pending,
+        Log::stored, Log::lost, LogStore::new, LogStore::newest, LogStore::slots, LogStore::entry,
+        LogStore::append, LogStore::release,
+        DebounceState::tripped, DebounceState::quiet, Debounce::step, Id::index, Id::at, Id::flow, Id::side,
+        Faults::with, Faults::without, Faults::has, Faults::is_empty, Faults::union, Faults::minus,
+        Faults::bits, Faults::iter,
+        ProtectionState::locked_by, ProtectionState::latched, ProtectionState::cell_extremes_v,
+        ProtectionState::temperature_extremes_c, Protection::new, Protection::table, Protection::step,
+        Reaction::trip, Seen::all, Seen::flag, Row::judge, PackSheet::sweep_s, Verdict::bars,
+        Verdict::derates, Table::new, Table::with, Table::rows, Table::row, Table::sheet, Table::period_s,
+        Table::longest_s,
+    );
+}
+
+/// A pin that does nothing.
+struct Pin;
+
+impl ErrorType for Pin {
+    type Error = core::convert::Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+impl InputPin for Pin {
+    fn is_high(&mut self) -> Result<bool, Self::Error> {
+        Ok(black_box(true))
+    }
+
+    fn is_low(&mut self) -> Result<bool, Self::Error> {
+        Ok(black_box(false))
+    }
 }
 
 /// What the checks must find when asked to: each of them sees that it can fail.

@@ -51,7 +51,7 @@ pub(super) struct AxisBounds {
 
 impl Axis {
     /// The power of a step by this increment.
-    pub const fn power_w(&self, rise_a: Real) -> Real {
+    pub(super) const fn power_w(&self, rise_a: Real) -> Real {
         (self.current_a + rise_a) * (self.held_v() + self.step_ohm() * rise_a)
     }
 
@@ -75,7 +75,7 @@ impl Axis {
     /// From within the edge the step lands on it. A current beyond decays with L/r, under the voltage
     /// that belongs to the edge, so that the battery's current exceeds its limit by the factor
     /// |i|/|edge| at most.
-    pub fn held(&self, want: Real, ends_at: Real, bounds: &AxisBounds) -> (Real, Held) {
+    pub(super) fn held(&self, want: Real, ends_at: Real, bounds: &AxisBounds) -> (Real, Held) {
         let (i, most_a) = (self.current_a, bounds.current_a);
         let (mut rise_a, mut held) = (clamp(want, -most_a - i, most_a - i), Held::No);
         if rise_a != want {

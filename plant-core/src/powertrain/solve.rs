@@ -27,7 +27,7 @@ pub(super) struct Loads {
 
 impl Loads {
     /// A share of them.
-    pub const fn times(&self, share: Real) -> Self {
+    pub(super) const fn times(&self, share: Real) -> Self {
         Self {
             any: self.any,
             constant_a: self.constant_a * share,
@@ -36,13 +36,13 @@ impl Loads {
         }
     }
 
-    pub const fn current_a(&self, battery_v: Real) -> Real {
+    pub(super) const fn current_a(&self, battery_v: Real) -> Real {
         self.constant_a + (self.resistor_s + self.converter_s) * battery_v
     }
 
     /// What they leave of a source.
     #[inline(always)]
-    pub const fn leave(&self, source: Source) -> Source {
+    pub(super) const fn leave(&self, source: Source) -> Source {
         if self.any {
             source.loaded(self.constant_a, self.resistor_s + self.converter_s)
         } else {
