@@ -60,7 +60,7 @@ const fn judgements(sheet: &PackSheet, pace: Pace, time_s: Real) -> u16 {
     let n = ticks(sheet, time_s);
     match pace {
         Pace::Tick => n,
-        Pace::Sweep => (n / sheet.sweep_ticks).saturating_sub(1),
+        Pace::Sweep => (n / sheet.turns()).saturating_sub(1),
     }
 }
 
@@ -98,7 +98,7 @@ const fn made(
 ) -> Row {
     let slot = match timing.pace {
         Pace::Tick => 1,
-        Pace::Sweep => sheet.sweep_ticks,
+        Pace::Sweep => sheet.turns(),
     };
     let heal = ticks(sheet, HEAL_S) / slot;
     let missing = match id {

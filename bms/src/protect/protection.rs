@@ -302,7 +302,7 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         now: &Measurements<CELLS, SENSORS>,
     ) {
         let sheet = self.table.sheet();
-        let (turn, turns) = (usize::from(state.tick), usize::from(sheet.sweep_ticks));
+        let (turn, turns) = (usize::from(state.tick), usize::from(sheet.turns()));
         let sensor = &sheet.sensing.cell_v;
         let oldest_s = sensor.oldest_s(sheet.tick_s);
         let (from, to) = (CELLS * turn / turns, CELLS * (turn + 1) / turns);

@@ -227,6 +227,11 @@ impl Sensor {
 }
 
 impl PackSheet {
+    /// Ticks of a sweep, at least one: a division by it cannot fail.
+    pub(super) const fn turns(&self) -> u16 {
+        if self.sweep_ticks == 0 { 1 } else { self.sweep_ticks }
+    }
+
     /// Time in which every cell is looked at once \[s\].
     #[must_use]
     pub const fn sweep_s(&self) -> Real {

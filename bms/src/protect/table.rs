@@ -65,7 +65,11 @@ impl Table {
     /// # Errors
     /// [`ParamError`] as for [`new`](Self::new).
     pub const fn with(mut self, row: Row) -> Result<Self, ParamError> {
-        self.rows[row.id.index() as usize] = row;
+        let index = row.id.index() as usize;
+        if index >= ROWS {
+            return Err(ParamError::OutOfRange("row.id"));
+        }
+        self.rows[index] = row;
         self.checked()
     }
 
@@ -77,9 +81,10 @@ impl Table {
 
     /// One row.
     #[must_use]
-    pub fn row(&self, id: Id) -> &Row {
+    pub const fn row(&self, id: Id) -> &Row {
         // Each index is below `ROWS`, as the list of them shows when compiling.
-        self.rows.get(usize::from(id.index())).unwrap_or(&self.rows[0])
+        let index = id.index() as usize;
+        if index < ROWS { &self.rows[index] } else { &self.rows[0] }
     }
 
     /// What it was derived from.
@@ -156,8 +161,8 @@ impl Table {
         check!(self.currents_apart("sheet.charge.ten_seconds_a", Flow::Charge));
         // A current beyond its limit must still be shown.
         let shown = &self.sheet.sensing.current_a;
-        let discharge = self.rows[Id::Current(Flow::Discharge, Level::Msl).index() as usize];
-        let charge = self.rows[Id::Current(Flow::Charge, Level::Msl).index() as usize];
+        let discharge = self.row(Id::Current(Flow::Discharge, Level::Msl));
+        let charge = self.row(Id::Current(Flow::Charge, Level::Msl));
         if discharge.threshold > 0.9 * shown.highest || charge.threshold > -0.9 * shown.lowest {
             return Err(ParamError::OutOfRange("sensing.current_a"));
         }
@@ -200,11 +205,7 @@ impl Table {
         ids: [Id; 3],
         error: Real,
     ) -> Result<(), ParamError> {
-        let [mol, rsl, msl] = [
-            &self.rows[ids[0].index() as usize],
-            &self.rows[ids[1].index() as usize],
-            &self.rows[ids[2].index() as usize],
-        ];
+        let [mol, rsl, msl] = [self.row(ids[0]), self.row(ids[1]), self.row(ids[2])];
         let outward = match ids[0].side() {
             Side::High => 1.0,
             Side::Low => -1.0,
