@@ -67,11 +67,7 @@ impl<B: Copy> Rig<NoLedger, B> {
     /// The same, with an energy ledger.
     #[must_use]
     pub const fn with_ledger(self) -> Rig<EnergyLedger, B> {
-        Rig {
-            plant: self.plant.with_ledger(),
-            driver: self.driver,
-            initial_soc: self.initial_soc,
-        }
+        Rig { plant: self.plant.with_ledger(), driver: self.driver, initial_soc: self.initial_soc }
     }
 }
 
