@@ -10,6 +10,9 @@ use plant_core::battery::{
 };
 use plant_core::converter::{ConverterParams, Gates};
 use plant_core::machine::dc::DcMotorParams;
+use plant_core::machine::flux::{Flux, LinearFlux};
+use plant_core::machine::pmsm::PmsmParams;
+use plant_core::machine::transform::Dq;
 use plant_core::mechanics::body::{BodyParams, Road, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::slope::Grade;
@@ -183,13 +186,40 @@ fn mapped(bits: &mut Bits<'_>, plain: &BatteryParams) -> MappedBatteryParams {
     }
 }
 
+fn synchronous(bits: &mut Bits<'_>, like: &DriveParams) -> DriveParams<PmsmParams> {
+    DriveParams {
+        converter: ConverterParams { voltage_drop_v: 0.0, ..like.converter },
+        motor: PmsmParams {
+            flux: Flux::Linear(LinearFlux {
+                magnet_wb: bits.next(),
+                d_h: bits.next(),
+                q_h: bits.next(),
+            }),
+            resistance_ohm: bits.next(),
+            resistance_per_k: 0.0,
+            pole_pairs: bits.next() as u16,
+            iron_s: bits.next(),
+            inertia_kg_m2: bits.next(),
+            viscous_nm_s_per_rad: bits.next(),
+            coulomb_nm: bits.next(),
+        },
+        gearbox: like.gearbox,
+        torque_rate_per_s: like.torque_rate_per_s,
+        torque_share: bits.next(),
+    }
+}
+
+fn gates<M>(bits: &mut Bits<'_>, modulation: impl FnOnce(&mut Bits<'_>) -> M) -> Gates<M> {
+    match bits.next() {
+        which if which < 0.0 => Gates::Off,
+        which if which < 1.0 => Gates::Torque(bits.next()),
+        _ => Gates::On(modulation(bits)),
+    }
+}
+
 fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     PowertrainInput {
-        gates: match bits.next() {
-            which if which < 0.0 => Gates::Off,
-            which if which < 1.0 => Gates::Torque(bits.next()),
-            _ => Gates::On(bits.next()),
-        },
+        gates: gates(bits, |bits| bits.next()),
         road: Road {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),
@@ -202,8 +232,8 @@ fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     }
 }
 
-/// The plant with any bits for parameters and inputs, with either battery: it refuses them, or
-/// steps without a panic and keeps the state of charge within 0..1.
+/// The plant with any bits for parameters and inputs, with either battery, and with two drives: it
+/// refuses them, or steps without a panic and keeps the state of charge within 0..1.
 pub fn step(data: &[u8]) {
     let mut bits = Bits { data, last: 1.0 };
     let Ok(dt) = Dt::from_s(bits.next()) else { return };
@@ -218,6 +248,21 @@ pub fn step(data: &[u8]) {
             assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
         }
         let _ = plant.energy(&start, &state);
+    }
+    let pmsm = synchronous(&mut bits, &params.drives);
+    if let Ok(plant) = params.with_drives((pmsm, params.drives)).build(dt)
+        && let Ok(mut state) = plant.at_speed(soc, speed_m_s)
+    {
+        for _ in 0..32 {
+            let of_both = (
+                gates(&mut bits, |bits| Dq { d: bits.next(), q: bits.next() }),
+                gates(&mut bits, |bits| bits.next()),
+            );
+            let PowertrainInput { road, auxiliary_w, limits, .. } = input(&mut bits);
+            let input = PowertrainInput { gates: of_both, road, auxiliary_w, limits };
+            let out = plant.step(&mut state, input);
+            assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
+        }
     }
     let battery = mapped(&mut bits, &params.battery);
     if let Ok(plant) = params.with_battery(battery).build(dt)
