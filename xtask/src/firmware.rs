@@ -24,6 +24,8 @@ const VEHICLES: &[(&str, &[&str])] = &[
     ("epowertrain-udds", &[]),
     ("bmw-i3-60ah-constant", &["--features", "bmw-i3-constant"]),
     ("bmw-i3-60ah", &["--features", "bmw-i3"]),
+    ("bmw-i3-60ah-pmsm", &["--features", "bmw-i3-pmsm"]),
+    ("two-axles", &["--features", "two-axles"]),
 ];
 
 /// Where the same bits must come out: opt-level, processor, QEMU's words for the machine.

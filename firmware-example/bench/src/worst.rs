@@ -99,19 +99,12 @@ fn look<L: Book, B: Pack>(
     reference: &TimeTableOutput,
     came: &mut Came,
 ) -> bool {
-    let driven = DriverInput {
-        reference_m_s: reference.value,
-        reference_m_s2: reference.rate_per_s,
-        vehicle: state.seen,
-    };
-    let command = rig.driver.step(&mut state.driver, driven);
-    let mut input = PowertrainInput::on(command.duty);
-    input.road.brake_n = command.brake_n;
+    let (input, refused) = rig.steer(&mut state, *reference);
     let out = rig.plant.step(&mut state.plant, input);
     came.discharge |= out.limited == Limited::Discharge;
     came.charge |= out.limited == Limited::Charge;
     came.starved |= out.auxiliary_starved;
-    came.refused |= out.rejected || command.rejected;
+    came.refused |= out.rejected || refused;
     came.standstill |= out.speed_m_s == 0.0;
     out.limited != Limited::No
 }

@@ -24,7 +24,16 @@ use voltstep_trace::Run;
 use voltstep_trace::{BMW_I3 as RIG, BMW_I3_MONITOR as MONITOR};
 #[cfg(feature = "bmw-i3-constant")]
 use voltstep_trace::{BMW_I3_CONSTANT as RIG, BMW_I3_CONSTANT_MONITOR as MONITOR};
-#[cfg(not(any(feature = "bmw-i3", feature = "bmw-i3-constant")))]
+#[cfg(feature = "bmw-i3-pmsm")]
+use voltstep_trace::{BMW_I3_CONSTANT_MONITOR as MONITOR, BMW_I3_PMSM as RIG};
+#[cfg(feature = "two-axles")]
+use voltstep_trace::{BMW_I3_CONSTANT_MONITOR as MONITOR, TWO_AXLED as RIG};
+#[cfg(not(any(
+    feature = "bmw-i3",
+    feature = "bmw-i3-constant",
+    feature = "bmw-i3-pmsm",
+    feature = "two-axles"
+)))]
 use voltstep_trace::{EPOWERTRAIN as RIG, EPOWERTRAIN_MONITOR as MONITOR};
 
 #[cfg(not(feature = "bmw-i3"))]
@@ -32,8 +41,17 @@ use plant_core::battery::BatteryState;
 #[cfg(feature = "bmw-i3")]
 use plant_core::battery::MappedBatteryState as BatteryState;
 
+// What the drives remember.
+#[cfg(not(any(feature = "bmw-i3-pmsm", feature = "two-axles")))]
+use plant_core::Accum as DrivesState;
+#[cfg(feature = "bmw-i3-pmsm")]
+use plant_core::machine::pmsm::DqCurrents as DrivesState;
+#[cfg(feature = "two-axles")]
+type DrivesState = (plant_core::machine::pmsm::DqCurrents, plant_core::Accum);
+
 /// The loop, between the interrupt and `main`.
-static RUN: Mutex<RefCell<Option<Run<NoLedger, BatteryState>>>> = Mutex::new(RefCell::new(None));
+static RUN: Mutex<RefCell<Option<Run<NoLedger, BatteryState, DrivesState>>>> =
+    Mutex::new(RefCell::new(None));
 
 /// The block whose frames are shown.
 const SHOWN: Option<&str> = option_env!("VOLTSTEP_BLOCK");

@@ -4,6 +4,7 @@ use core::fmt::{Display, from_fn};
 
 use plant_core::Accum;
 use plant_core::battery::{BatteryState, MappedBatteryState};
+use plant_core::machine::pmsm::DqCurrents;
 use voltstep_bms::estimate::ekf::EkfState;
 
 use crate::RigState;
@@ -17,21 +18,51 @@ pub struct Frame {
     plant: usize,
 }
 
-/// The state of a battery as words of a [`Frame`].
+/// The state of a battery or of drives as words of a [`Frame`].
 pub trait Words {
     /// What they are. `lost` is what a compensated sum holds back.
-    const FIELDS: &'static [&'static str];
-    /// State of charge, 0..1.
-    fn soc(&self) -> f32;
+    fn fields() -> impl Iterator<Item = &'static str>;
     /// Puts them there.
     fn put(&self, frame: &mut Frame);
 }
 
-impl Words for BatteryState {
-    const FIELDS: &'static [&'static str] = &["soc", "soc.lost", "rc_v", "rc_v.lost"];
+/// The winding current of a DC machine.
+impl Words for Accum {
+    fn fields() -> impl Iterator<Item = &'static str> {
+        ["current_a", "current_a.lost"].into_iter()
+    }
 
-    fn soc(&self) -> f32 {
-        self.soc.get()
+    fn put(&self, frame: &mut Frame) {
+        frame.put_sum(*self);
+    }
+}
+
+impl Words for DqCurrents {
+    fn fields() -> impl Iterator<Item = &'static str> {
+        ["d_a", "d_a.lost", "q_a", "q_a.lost"].into_iter()
+    }
+
+    fn put(&self, frame: &mut Frame) {
+        frame.put_sum(self.d_a);
+        frame.put_sum(self.q_a);
+    }
+}
+
+/// Those of both drives, one after the other.
+impl<A: Words, B: Words> Words for (A, B) {
+    fn fields() -> impl Iterator<Item = &'static str> {
+        A::fields().chain(B::fields())
+    }
+
+    fn put(&self, frame: &mut Frame) {
+        self.0.put(frame);
+        self.1.put(frame);
+    }
+}
+
+impl Words for BatteryState {
+    fn fields() -> impl Iterator<Item = &'static str> {
+        ["soc", "soc.lost", "rc_v", "rc_v.lost"].into_iter()
     }
 
     fn put(&self, frame: &mut Frame) {
@@ -41,21 +72,8 @@ impl Words for BatteryState {
 }
 
 impl Words for MappedBatteryState {
-    const FIELDS: &'static [&'static str] = &[
-        "soc",
-        "soc.lost",
-        "fast_v",
-        "fast_v.lost",
-        "slow_v",
-        "slow_v.lost",
-        "hysteresis",
-        "hysteresis.lost",
-        "temperature_c",
-        "temperature_c.lost",
-    ];
-
-    fn soc(&self) -> f32 {
-        self.soc.get()
+    fn fields() -> impl Iterator<Item = &'static str> {
+        Frame::MAPPED_BATTERY.into_iter()
     }
 
     fn put(&self, frame: &mut Frame) {
@@ -67,14 +85,22 @@ impl Words for MappedBatteryState {
 }
 
 impl Frame {
-    const MOTION: [&'static str; 6] = [
-        "current_a",
-        "current_a.lost",
-        "speed_m_s",
-        "speed_m_s.lost",
-        "distance_m",
-        "distance_m.lost",
+    const MOTION: [&'static str; 4] =
+        ["speed_m_s", "speed_m_s.lost", "distance_m", "distance_m.lost"];
+    const MAPPED_BATTERY: [&'static str; 10] = [
+        "soc",
+        "soc.lost",
+        "fast_v",
+        "fast_v.lost",
+        "slow_v",
+        "slow_v.lost",
+        "hysteresis",
+        "hysteresis.lost",
+        "temperature_c",
+        "temperature_c.lost",
     ];
+    /// Words of two synchronous machines.
+    const DRIVES: usize = 8;
     const TERMINALS: [&'static str; 2] = ["battery_v", "duty"];
     const ESTIMATORS: [&'static str; 7] = [
         "ekf.soc",
@@ -86,23 +112,24 @@ impl Frame {
         "counter.soc",
     ];
     /// Words of the longest.
-    const MOST: usize = Self::MOTION.len()
-        + MappedBatteryState::FIELDS.len()
+    const MOST: usize = Self::DRIVES
+        + Self::MOTION.len()
+        + Self::MAPPED_BATTERY.len()
         + Self::TERMINALS.len()
         + Self::ESTIMATORS.len();
 
-    /// What the words are, for a vehicle whose battery remembers `S`.
-    pub fn fields<S: Words>() -> impl Iterator<Item = &'static str> {
-        let battery = S::FIELDS.iter().copied();
-        Self::MOTION.into_iter().chain(battery).chain(Self::TERMINALS).chain(Self::ESTIMATORS)
+    /// What the words are, for a vehicle whose battery remembers `S` and whose drives remember `E`.
+    pub fn fields<S: Words, E: Words>() -> impl Iterator<Item = &'static str> {
+        let plant = E::fields().chain(Self::MOTION).chain(S::fields()).chain(Self::TERMINALS);
+        plant.chain(Self::ESTIMATORS)
     }
 
     /// The words of a plant.
     #[must_use]
-    pub fn plant<L, S: Words>(state: &RigState<L, S>) -> Self {
+    pub fn plant<L, S: Words, E: Words>(state: &RigState<L, S, E>) -> Self {
         let RigState { plant, seen, .. } = state;
         let mut frame = Self { words: [0; Self::MOST], length: 0, plant: 0 };
-        frame.put_sum(plant.drives);
+        plant.drives.put(&mut frame);
         frame.put_sum(plant.body.speed_m_s);
         frame.put_sum(plant.body.distance_m);
         plant.battery.put(&mut frame);
@@ -114,7 +141,11 @@ impl Frame {
 
     /// The words of a plant, and of what is estimated of it.
     #[must_use]
-    pub fn of<L, S: Words>(state: &RigState<L, S>, ekf: &EkfState, counted_soc: f32) -> Self {
+    pub fn of<L, S: Words, E: Words>(
+        state: &RigState<L, S, E>,
+        ekf: &EkfState,
+        counted_soc: f32,
+    ) -> Self {
         let mut frame = Self::plant(state);
         let [polarisation_v, _] = ekf.polarisation_v;
         for value in [

@@ -14,14 +14,19 @@ pub use frame::{Frame, Words};
 pub use hash::Fnv1a;
 pub use monitor::{Monitor, MonitorState};
 pub use overruns::Overruns;
-pub use rig::{Rig, RigState};
+pub use rig::{Rig, RigState, Steering};
 pub use run::Run;
 
 use plant_core::Dt;
-use plant_core::battery::{MappedBattery, MappedBatteryParams};
+use plant_core::battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams};
+use plant_core::control::driver::TorqueDriver;
+use plant_core::machine::pmsm::{PmsmDrive, PmsmParams};
 use plant_core::must;
 use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
-use plant_core::presets::{BMW_I3_60AH, BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS};
+use plant_core::powertrain::{Axles, Drive, DriveParams, PowertrainParams};
+use plant_core::presets::{
+    BMW_I3_60AH, BMW_I3_60AH_CONSTANT, BMW_I3_60AH_PMSM, EPOWERTRAIN_UDDS, TWO_AXLES,
+};
 use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams};
 
 /// The step.
@@ -54,12 +59,36 @@ pub const BMW_I3_CONSTANT: Rig<NoLedger> = must!(Rig::new(&BMW_I3_60AH_CONSTANT,
 /// The same with its energy ledger.
 pub const BMW_I3_CONSTANT_LEDGER: Rig<EnergyLedger> = BMW_I3_CONSTANT.with_ledger();
 
+/// A rig whose driver asks its drives for a torque.
+pub type Composed<D, L = NoLedger> = Rig<L, Battery, D, TorqueDriver>;
+/// A synchronous machine behind, a DC machine in front.
+pub type BothAxles = (Drive<PmsmDrive>, Drive);
+
+/// The car with a synchronous machine.
+pub const BMW_I3_PMSM: Composed<Drive<PmsmDrive>> =
+    must!(Rig::composed(&BMW_I3_60AH_PMSM, PMSM_AXLE, PMSM_CAR.drives.gearbox, DT));
+/// The same with its energy ledger.
+pub const BMW_I3_PMSM_LEDGER: Composed<Drive<PmsmDrive>, EnergyLedger> = BMW_I3_PMSM.with_ledger();
+/// A car with two axles.
+pub const TWO_AXLED: Composed<BothAxles> =
+    must!(Rig::composed(&TWO_AXLES, REAR.and(FRONT), TWO_CAR.drives.0.gearbox, DT));
+/// The same with its energy ledger.
+pub const TWO_AXLED_LEDGER: Composed<BothAxles, EnergyLedger> = TWO_AXLED.with_ledger();
+
+const PMSM_CAR: PowertrainParams<BatteryParams, DriveParams<PmsmParams>> =
+    BMW_I3_60AH_PMSM.powertrain;
+const PMSM_AXLE: Axles<Drive<PmsmDrive>> = must!(PMSM_CAR.drives.on(PMSM_CAR.wheel, DT));
+const TWO_CAR: PowertrainParams<BatteryParams, (DriveParams<PmsmParams>, DriveParams)> =
+    TWO_AXLES.powertrain;
+const REAR: Axles<Drive<PmsmDrive>> = must!(TWO_CAR.drives.0.on(TWO_CAR.wheel, DT));
+const FRONT: Axles<Drive> = must!(TWO_CAR.drives.1.on(TWO_CAR.wheel, DT));
+
 /// The estimators of the first's battery. Apart from the plant, whose coefficients are few.
 pub const EPOWERTRAIN_MONITOR: Monitor =
     must!(Monitor::new(MappedBatteryParams::constant(EPOWERTRAIN_UDDS.powertrain.battery), 550.0));
 /// Those of the car's.
 pub const BMW_I3_MONITOR: Monitor = must!(Monitor::new(BMW_I3_60AH.powertrain.battery, 370.0));
-/// Those of its battery of constant parameters.
+/// Those of its battery of constant parameters, which the cars of other drives have too.
 pub const BMW_I3_CONSTANT_MONITOR: Monitor = must!(Monitor::new(
     MappedBatteryParams::constant(BMW_I3_60AH_CONSTANT.powertrain.battery),
     370.0

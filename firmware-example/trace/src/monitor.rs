@@ -104,7 +104,7 @@ impl Monitor {
 
     /// What the battery did in control step `step`, seen by the sensors.
     #[inline]
-    pub fn step(&self, state: &mut MonitorState, step: u32, pack: &PowertrainOutput) {
+    pub fn step<O>(&self, state: &mut MonitorState, step: u32, pack: &PowertrainOutput<O>) {
         let noise_a = NOISE_A * state.draw();
         let measured_a = AMMETER
             .step(&mut (), CurrentSensorInput { current_a: pack.battery_a + noise_a })

@@ -1,33 +1,72 @@
 //! A vehicle with its driver in a closed loop.
 
-use plant_core::battery::{Battery, BatteryState, MappedBattery, MappedBatteryParams, Pack};
-use plant_core::control::driver::{Driver, DriverInput, DriverState};
-use plant_core::powertrain::Feedback;
+use plant_core::battery::{
+    Battery, BatteryParams, BatteryState, MappedBattery, MappedBatteryParams, Pack,
+};
+use plant_core::control::driver::{Driver, DriverInput, DriverParams, DriverState, TorqueDriver};
+use plant_core::converter::Gates;
+use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
+use plant_core::powertrain::{
+    Axles, Drive, Drives, Feedback, Powertrain, PowertrainInput, PowertrainOutput, PowertrainState,
+};
 use plant_core::presets::Vehicle;
 use plant_core::signal::sources::TimeTableOutput;
-use plant_core::{Dt, ParamError};
+use plant_core::{Accum, Dt, ParamError};
 
 /// A plant and who drives it.
 #[derive(Clone, Copy, Debug)]
-pub struct Rig<L, B = Battery> {
+pub struct Rig<L, B = Battery, D = Drive, C = Driver> {
     /// The plant.
-    pub plant: Powertrain<L, B>,
+    pub plant: Powertrain<L, B, D>,
     /// The driver.
-    pub driver: Driver,
+    pub driver: C,
     initial_soc: f32,
 }
 
 /// What a [`Rig`] remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigState<L, S = BatteryState> {
+pub struct RigState<L, S = BatteryState, E = Accum> {
     /// The plant.
-    pub plant: PowertrainState<L, S>,
+    pub plant: PowertrainState<L, S, E>,
     /// The driver.
     pub driver: DriverState,
     /// What the driver sees: the end of the last step.
     pub seen: Feedback,
+}
+
+/// Who drives drives.
+pub trait Steering<D: Drives> {
+    /// A command, the force of the friction brake \[N\], and whether the driver refused its input.
+    fn steer(
+        &self,
+        state: &mut DriverState,
+        input: DriverInput,
+        drives: &D,
+    ) -> (D::Command, f32, bool);
+}
+
+/// By a duty.
+impl Steering<Drive> for Driver {
+    #[inline(always)]
+    fn steer(&self, state: &mut DriverState, input: DriverInput, _: &Drive) -> (Gates, f32, bool) {
+        let command = self.step(state, input);
+        (Gates::On(command.duty), command.brake_n, command.rejected)
+    }
+}
+
+/// By a torque, of which each drive takes its share.
+impl<D: Drives> Steering<D> for TorqueDriver {
+    #[inline(always)]
+    fn steer(
+        &self,
+        state: &mut DriverState,
+        input: DriverInput,
+        drives: &D,
+    ) -> (D::Command, f32, bool) {
+        let demand = self.step(state, input);
+        (drives.command(demand.torque_nm), demand.brake_n, demand.rejected)
+    }
 }
 
 impl Rig<NoLedger> {
@@ -63,10 +102,43 @@ impl Rig<NoLedger, MappedBattery> {
     }
 }
 
-impl<B: Copy> Rig<NoLedger, B> {
+impl<D: Copy> Rig<NoLedger, Battery, D, TorqueDriver> {
+    /// A vehicle with any drives, `gearbox` being that of the first.
+    ///
+    /// # Errors
+    /// [`ParamError`] names the first field that is out of range; `driver.torque` where the driver
+    /// is none that asks for a torque.
+    pub const fn composed<Q>(
+        vehicle: &Vehicle<BatteryParams, Q>,
+        axles: Axles<D>,
+        gearbox: GearboxParams,
+        dt: Dt,
+    ) -> Result<Self, ParamError> {
+        let params = &vehicle.powertrain;
+        let DriverParams::Torque(driver) = vehicle.driver else {
+            return Err(ParamError::NotFinite("driver.torque"));
+        };
+        let plant = match Battery::new(params.battery, dt) {
+            Ok(battery) => Powertrain::of(battery, axles, params, dt),
+            Err(error) => Err(error),
+        };
+        let plant = match plant {
+            Ok(plant) => plant,
+            Err(error) => return Err(error),
+        };
+        let (body_kg, moving_kg) = (params.body.mass_kg, plant.moving_mass_kg());
+        let motor_rad_per_m = gearbox.ratio / params.wheel.radius_m;
+        match TorqueDriver::fitted(driver, motor_rad_per_m, body_kg, moving_kg, dt) {
+            Ok(driver) => Ok(Self { plant, driver, initial_soc: vehicle.initial_soc }),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl<B: Copy, D: Copy, C: Copy> Rig<NoLedger, B, D, C> {
     /// The same, with an energy ledger.
     #[must_use]
-    pub const fn with_ledger(self) -> Rig<EnergyLedger, B> {
+    pub const fn with_ledger(self) -> Rig<EnergyLedger, B, D, C> {
         Rig { plant: self.plant.with_ledger(), driver: self.driver, initial_soc: self.initial_soc }
     }
 }
@@ -84,7 +156,7 @@ impl<L: Copy, B: Copy> Rig<L, B> {
     }
 }
 
-impl<L: Book, B: Pack> Rig<L, B> {
+impl<L: Book, B: Pack, D: Drives, C: Steering<D>> Rig<L, B, D, C> {
     /// The state of charge at the start.
     #[must_use]
     pub const fn initial_soc(&self) -> f32 {
@@ -95,31 +167,41 @@ impl<L: Book, B: Pack> Rig<L, B> {
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] where that is none.
-    pub fn start(&self) -> Result<RigState<L, B::State>, ParamError> {
+    pub fn start(&self) -> Result<RigState<L, B::State, D::State>, ParamError> {
         let plant = self.plant.at_rest(self.initial_soc)?;
         let seen = self.plant.feedback(&plant);
         Ok(RigState { plant, driver: DriverState::default(), seen })
+    }
+
+    /// What the driver makes of the reference, and whether it refused it.
+    #[inline(always)]
+    pub fn steer(
+        &self,
+        state: &mut RigState<L, B::State, D::State>,
+        reference: TimeTableOutput,
+    ) -> (PowertrainInput<D::Command>, bool) {
+        let input = DriverInput {
+            reference_m_s: reference.value,
+            reference_m_s2: reference.rate_per_s,
+            vehicle: state.seen,
+        };
+        let (command, brake_n, refused) =
+            self.driver.steer(&mut state.driver, input, self.plant.drives());
+        let mut input = PowertrainInput::with(command);
+        input.road.brake_n = brake_n;
+        (input, refused)
     }
 
     /// One step of driver and plant, and what the plant says of it.
     #[inline(always)]
     pub fn step(
         &self,
-        state: &mut RigState<L, B::State>,
+        state: &mut RigState<L, B::State, D::State>,
         reference: TimeTableOutput,
-    ) -> PowertrainOutput {
-        let command = self.driver.step(
-            &mut state.driver,
-            DriverInput {
-                reference_m_s: reference.value,
-                reference_m_s2: reference.rate_per_s,
-                vehicle: state.seen,
-            },
-        );
-        let mut input = PowertrainInput::on(command.duty);
-        input.road.brake_n = command.brake_n;
+    ) -> PowertrainOutput<D::Output> {
+        let (input, _) = self.steer(state, reference);
         let out = self.plant.step(&mut state.plant, input);
-        state.seen = Feedback::from(&out);
+        state.seen = self.plant.seen_of(&out);
         out
     }
 }

@@ -2,19 +2,20 @@
 
 use core::fmt::{Display, from_fn};
 
-use plant_core::ParamError;
 use plant_core::battery::{BatteryState, Pack};
+use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::Book;
 use plant_core::signal::sources::TimeTableState;
+use plant_core::{Accum, ParamError};
 
 use crate::monitor::{Monitor, MonitorState};
-use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK, Words};
+use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK, Steering, Words};
 
 /// A vehicle on its way along the cycle, and the hash of all that was.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<L, S = BatteryState> {
+pub struct Run<L, S = BatteryState, E = Accum> {
     /// Where it is.
-    pub state: RigState<L, S>,
+    pub state: RigState<L, S, E>,
     /// What its estimators believe.
     pub monitor: MonitorState,
     clock: TimeTableState,
@@ -24,12 +25,15 @@ pub struct Run<L, S = BatteryState> {
     rejected: bool,
 }
 
-impl<L: Book, S: Words> Run<L, S> {
+impl<L: Book, S: Words, E: Words> Run<L, S, E> {
     /// At the start of the cycle.
     ///
     /// # Errors
     /// [`ParamError::NotARatio`] for a vehicle whose state of charge is none.
-    pub fn new<B: Pack<State = S>>(rig: &Rig<L, B>, monitor: &Monitor) -> Result<Self, ParamError> {
+    pub fn new<B: Pack<State = S>, D: Drives<State = E>, C: Steering<D>>(
+        rig: &Rig<L, B, D, C>,
+        monitor: &Monitor,
+    ) -> Result<Self, ParamError> {
         let state = rig.start()?;
         let monitor = monitor.start(rig.initial_soc())?;
         let (clock, hash) = (TimeTableState::default(), Fnv1a::default());
@@ -38,7 +42,11 @@ impl<L: Book, S: Words> Run<L, S> {
 
     /// One step: reference, driver, plant, estimators, hash. What it left behind.
     #[inline]
-    pub fn step<B: Pack<State = S>>(&mut self, rig: &Rig<L, B>, monitor: &Monitor) -> Frame {
+    pub fn step<B: Pack<State = S>, D: Drives<State = E>, C: Steering<D>>(
+        &mut self,
+        rig: &Rig<L, B, D, C>,
+        monitor: &Monitor,
+    ) -> Frame {
         let reference = REFERENCE.step(&mut self.clock, ());
         let pack = rig.step(&mut self.state, reference);
         self.rejected |= pack.rejected;
@@ -116,7 +124,7 @@ impl<L: Book, S: Words> Run<L, S> {
                 "result hash {:016x} {:016x} soc {} distance_m {} rejected {} ekf {} ± {} counted {}",
                 self.hash(),
                 self.estimators_hash(),
-                plant.battery.soc(),
+                self.state.seen.soc,
                 plant.body.distance_m.get(),
                 self.rejected,
                 believed.soc,

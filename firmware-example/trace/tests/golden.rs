@@ -1,18 +1,26 @@
 //! This machine ends where the golden file says, with the same bits all the way.
 
-use plant_core::battery::Pack;
-use plant_core::powertrain::ledger::NoLedger;
+use plant_core::Accum;
+use plant_core::battery::{BatteryState, Pack};
+use plant_core::machine::pmsm::DqCurrents;
+use plant_core::powertrain::Drives;
+use plant_core::powertrain::ledger::{Book, NoLedger};
 use voltstep_trace::{
-    BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, CYCLE, EPOWERTRAIN,
-    EPOWERTRAIN_MONITOR, Fnv1a, Monitor, Rig, Run, Words,
+    BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
+    BMW_I3_PMSM_LEDGER, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame, Monitor, Rig, Run,
+    Steering, TWO_AXLED, TWO_AXLED_LEDGER, Words,
 };
 
 const GOLDEN: &str = include_str!("../../golden.toml");
 
 /// A run along the whole cycle.
-fn whole<B: Pack>(rig: &Rig<NoLedger, B>, monitor: &Monitor) -> Run<NoLedger, B::State>
+fn whole<L: Book, B: Pack, D: Drives, C: Steering<D>>(
+    rig: &Rig<L, B, D, C>,
+    monitor: &Monitor,
+) -> Run<L, B::State, D::State>
 where
     B::State: Words,
+    D::State: Words,
 {
     let mut run = Run::new(rig, monitor).unwrap();
     while !run.ended() {
@@ -24,9 +32,13 @@ where
 
 /// The golden file has the section that a run would have.
 #[track_caller]
-fn is_golden<B: Pack>(name: &str, rig: &Rig<NoLedger, B>, monitor: &Monitor)
-where
+fn is_golden<B: Pack, D: Drives, C: Steering<D>>(
+    name: &str,
+    rig: &Rig<NoLedger, B, D, C>,
+    monitor: &Monitor,
+) where
     B::State: Words,
+    D::State: Words,
 {
     let run = whole(rig, monitor);
     let plant = run.state.plant;
@@ -45,6 +57,28 @@ fn the_bits_are_golden() {
     is_golden("epowertrain-udds", &EPOWERTRAIN, &EPOWERTRAIN_MONITOR);
     is_golden("bmw-i3-60ah-constant", &BMW_I3_CONSTANT, &BMW_I3_CONSTANT_MONITOR);
     is_golden("bmw-i3-60ah", &BMW_I3, &BMW_I3_MONITOR);
+    is_golden("bmw-i3-60ah-pmsm", &BMW_I3_PMSM, &BMW_I3_CONSTANT_MONITOR);
+    is_golden("two-axles", &TWO_AXLED, &BMW_I3_CONSTANT_MONITOR);
+}
+
+/// Every word has a name, so none was left out for want of room; both machines are among them.
+#[test]
+fn the_frame_holds_every_drive() {
+    let mut run = Run::new(&TWO_AXLED, &BMW_I3_CONSTANT_MONITOR).unwrap();
+    let frame = run.step(&TWO_AXLED, &BMW_I3_CONSTANT_MONITOR);
+    let fields: Vec<_> = Frame::fields::<BatteryState, (DqCurrents, Accum)>().collect();
+    assert_eq!(fields.len(), frame.words().len());
+    for field in ["d_a", "q_a", "current_a", "counter.soc"] {
+        assert!(fields.contains(&field), "{field}");
+    }
+}
+
+/// A ledger changes nothing of what it books.
+#[test]
+fn books_change_no_bit() {
+    let battery = &BMW_I3_CONSTANT_MONITOR;
+    assert_eq!(whole(&BMW_I3_PMSM, battery).hash(), whole(&BMW_I3_PMSM_LEDGER, battery).hash());
+    assert_eq!(whole(&TWO_AXLED, battery).hash(), whole(&TWO_AXLED_LEDGER, battery).hash());
 }
 
 #[test]
@@ -63,12 +97,15 @@ fn the_estimators_find_the_state_of_charge() {
     find_it(&EPOWERTRAIN, &EPOWERTRAIN_MONITOR);
     find_it(&BMW_I3_CONSTANT, &BMW_I3_CONSTANT_MONITOR);
     find_it(&BMW_I3, &BMW_I3_MONITOR);
+    find_it(&BMW_I3_PMSM, &BMW_I3_CONSTANT_MONITOR);
+    find_it(&TWO_AXLED, &BMW_I3_CONSTANT_MONITOR);
 }
 
 #[track_caller]
-fn find_it<B: Pack>(rig: &Rig<NoLedger, B>, monitor: &Monitor)
+fn find_it<B: Pack, D: Drives, C: Steering<D>>(rig: &Rig<NoLedger, B, D, C>, monitor: &Monitor)
 where
     B::State: Words,
+    D::State: Words,
 {
     let run = whole(rig, monitor);
     let truth = B::soc(&run.state.plant.battery);
