@@ -2,6 +2,7 @@
 //!
 //! `xtask` knows them by their names: everything that begins with `bench_`.
 
+use plant_core::Accum;
 use plant_core::auxiliary::{Auxiliary, AuxiliaryInput, AuxiliaryOutput};
 use plant_core::battery::{
     Battery, BatteryInput, BatteryOutput, BatteryState, MappedBattery, MappedBatteryInput,
@@ -12,6 +13,7 @@ use plant_core::control::driver::{Driver, DriverInput, DriverOutput, DriverState
 use plant_core::control::pid::{Pid, PidInput, PidOutput, PidParams, PidState};
 use plant_core::converter::{Converter, ConverterInput, ConverterOutput};
 use plant_core::machine::dc::{DcMotor, DcMotorInput, DcMotorOutput, DcMotorState};
+use plant_core::machine::pmsm::PmsmDrive;
 use plant_core::mechanics::body::{Body, BodyInput, BodyOutput, BodyState};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxInput, GearboxOutput, GearboxState};
 use plant_core::mechanics::rotational::{
@@ -22,7 +24,9 @@ use plant_core::mechanics::slope::{Slope, SlopeInput, SlopeOutput, SlopeParams, 
 use plant_core::mechanics::wheel::{Wheel, WheelInput, WheelOutput, WheelState};
 use plant_core::must;
 use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
-use plant_core::powertrain::{Powertrain, PowertrainInput, PowertrainOutput, PowertrainState};
+use plant_core::powertrain::{
+    Axles, Drive, Drives, Powertrain, PowertrainInput, PowertrainOutput, PowertrainState,
+};
 use plant_core::presets::{
     BMW_I3_60AH, BMW_I3_60AH_CONSTANT, CONVERTER_BENCH_LOAD, EPOWERTRAIN_UDDS,
 };
@@ -35,22 +39,25 @@ use plant_core::signal::sources::{
     PhaseState, Sine, SineParams, TimeTable, TimeTableOutput, TimeTableState,
 };
 use voltstep_trace::{
-    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, DT, EPOWERTRAIN,
-    EPOWERTRAIN_LEDGER, REFERENCE, Rig, RigState,
+    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, BMW_I3_PMSM, BothAxles,
+    Composed, DT, EPOWERTRAIN, EPOWERTRAIN_LEDGER, REFERENCE, Rig, RigState, TWO_AXLED,
 };
 
 /// A driver and its plant in a closed loop, what the driver sees kept in the state.
 macro_rules! rig {
     ($name:ident, $rig:expr, $ledger:ty, $battery:ident, $state:ident) => {
+        rig!($name, $rig, $ledger, $state, Accum, Rig<$ledger, $battery>);
+    };
+    ($name:ident, $rig:expr, $ledger:ty, $state:ident, $drives:ty, $type:ty) => {
         #[doc = concat!("`", stringify!($rig), "`.")]
         #[unsafe(no_mangle)]
         #[inline(never)]
         pub extern "C" fn $name(
-            state: &mut RigState<$ledger, $state>,
+            state: &mut RigState<$ledger, $state, $drives>,
             input: &TimeTableOutput,
             _: &mut (),
         ) {
-            const RIG: Rig<$ledger, $battery> = $rig;
+            const RIG: $type = $rig;
             RIG.step(state, *input);
         }
     };
@@ -80,6 +87,26 @@ rig!(bench_plant_torque_off, BMW_I3_CONSTANT, NoLedger, Battery, BatteryState);
 rig!(bench_plant_torque_on, BMW_I3_CONSTANT_LEDGER, EnergyLedger, Battery, BatteryState);
 rig!(bench_plant_mapped_off, BMW_I3, NoLedger, MappedBattery, MappedBatteryState);
 rig!(bench_plant_mapped_on, BMW_I3_LEDGER, EnergyLedger, MappedBattery, MappedBatteryState);
+
+/// Drives asked for a torque: a synchronous machine, both, a DC machine, two of them.
+macro_rules! composed {
+    ($name:ident, $rig:expr, $drives:ty) => {
+        rig!($name, $rig, NoLedger, BatteryState, <$drives as Drives>::State, Composed<$drives>);
+    };
+}
+
+composed!(bench_plant_pmsm_off, BMW_I3_PMSM, Drive<PmsmDrive>);
+composed!(bench_plant_axles_off, TWO_AXLED, BothAxles);
+composed!(bench_plant_dc_off, ONE_DC, Drive);
+composed!(bench_plant_dcs_off, TWO_DC, (Drive, Drive));
+
+const DC_AXLE: Axles<Drive> = must!(I3.drives.on(I3.wheel, DT));
+/// The car of `bmw-i3-60ah-constant`, its DC machine asked for a torque.
+pub const ONE_DC: Composed<Drive> =
+    must!(Rig::composed(&BMW_I3_60AH_CONSTANT, DC_AXLE, I3.drives.gearbox, DT));
+/// The same car with another drive like its own.
+pub const TWO_DC: Composed<(Drive, Drive)> =
+    must!(Rig::composed(&BMW_I3_60AH_CONSTANT, DC_AXLE.and(DC_AXLE), I3.drives.gearbox, DT));
 
 const I3: plant_core::powertrain::PowertrainParams = BMW_I3_60AH_CONSTANT.powertrain;
 const PID: PidParams = match EPOWERTRAIN_UDDS.driver {

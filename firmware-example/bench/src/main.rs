@@ -28,7 +28,8 @@ use plant_core::signal::sensors::{
 use plant_core::signal::sources::{PhaseState, TimeTableState};
 use voltstep_bms::estimate::coulomb::CoulombInput;
 use voltstep_trace::{
-    BLOCKS, BMW_I3, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, REFERENCE, STEPS_PER_BLOCK,
+    BLOCKS, BMW_I3, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, BMW_I3_PMSM, REFERENCE, STEPS_PER_BLOCK,
+    TWO_AXLED,
 };
 
 use voltstep_bench::common::Common;
@@ -62,6 +63,10 @@ fn run() -> Option<()> {
         plant_torque_on,
         plant_mapped_off,
         plant_mapped_on,
+        plant_pmsm_off,
+        plant_axles_off,
+        plant_dc_off,
+        plant_dcs_off,
         powertrain,
         battery,
         mapped_battery,
@@ -113,6 +118,10 @@ fn run() -> Option<()> {
     let mut torque_on = BMW_I3_CONSTANT_LEDGER.start().ok()?;
     let mut mapped_off = BMW_I3.start().ok()?;
     let mut mapped_on = BMW_I3_LEDGER.start().ok()?;
+    let mut pmsm_off = BMW_I3_PMSM.start().ok()?;
+    let mut axles_off = TWO_AXLED.start().ok()?;
+    let mut dc_off = items::ONE_DC.start().ok()?;
+    let mut dcs_off = items::TWO_DC.start().ok()?;
     let mut plant = common.torque_off.plant;
     let mut mapped_state = mapped_off.plant.battery;
     let (mut gearbox_state, mut wheel_state) = (0.0, 0.0);
@@ -154,6 +163,10 @@ fn run() -> Option<()> {
         call!(plant_torque_on, items::bench_plant_torque_on, &mut torque_on, &reference);
         call!(plant_mapped_off, items::bench_plant_mapped_off, &mut mapped_off, &reference);
         call!(plant_mapped_on, items::bench_plant_mapped_on, &mut mapped_on, &reference);
+        call!(plant_pmsm_off, items::bench_plant_pmsm_off, &mut pmsm_off, &reference);
+        call!(plant_axles_off, items::bench_plant_axles_off, &mut axles_off, &reference);
+        call!(plant_dc_off, items::bench_plant_dc_off, &mut dc_off, &reference);
+        call!(plant_dcs_off, items::bench_plant_dcs_off, &mut dcs_off, &reference);
 
         // The components on what the car does.
         let seen = common.torque_off.seen;
@@ -255,12 +268,17 @@ fn run() -> Option<()> {
     worst::plant_torque_on(&mut plant_torque_on)?.say("plant_torque_on");
     worst::plant_mapped_off(&mut plant_mapped_off)?.say("plant_mapped_off");
     worst::plant_mapped_on(&mut plant_mapped_on)?.say("plant_mapped_on");
+    worst::plant_pmsm_off(&mut plant_pmsm_off)?.say("plant_pmsm_off");
+    worst::plant_axles_off(&mut plant_axles_off)?.say("plant_axles_off");
+    worst::plant_dc_off(&mut plant_dc_off)?.say("plant_dc_off");
+    worst::plant_dcs_off(&mut plant_dcs_off)?.say("plant_dcs_off");
     call_uncounted!(deep, worst::deep as extern "C" fn(&mut (), &(), &mut ()), &mut (), &());
 
     report!(
         deep: (), nothing: (), plant_pid_off: common.pid_off, plant_pid_on: common.pid_on, plant_torque_off: common.torque_off,
         plant_torque_on: torque_on, plant_mapped_off: mapped_off, plant_mapped_on: mapped_on,
-        powertrain: plant, battery: common.battery, mapped_battery: mapped_state,
+        plant_pmsm_off: pmsm_off, plant_axles_off: axles_off, plant_dc_off: dc_off,
+        plant_dcs_off: dcs_off, powertrain: plant, battery: common.battery, mapped_battery: mapped_state,
         rc_branch: common.rc_branch, auxiliary: (), converter: (), dc_motor: common.dc_motor,
         gearbox: gearbox_state, wheel: wheel_state, body: body_state,
         rotational_load: load_state, axis: axis_state, slope: slope_state, pid: common.pid,

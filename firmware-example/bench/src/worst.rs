@@ -4,30 +4,33 @@
 //!
 //! Steps in which a limit acts are counted, as items of their own; the others are not.
 
+use plant_core::Accum;
 use plant_core::battery::{BatteryState, MappedBatteryState, Pack};
-use plant_core::control::driver::DriverInput;
+use plant_core::machine::pmsm::DqCurrents;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
-use plant_core::powertrain::{Limited, PowertrainInput};
+use plant_core::powertrain::{Drives, Limited};
 use plant_core::signal::sources::TimeTableOutput;
 use voltstep_trace::{
-    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, EPOWERTRAIN,
-    EPOWERTRAIN_LEDGER, Rig, RigState,
+    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, BMW_I3_PMSM, EPOWERTRAIN,
+    EPOWERTRAIN_LEDGER, Rig, RigState, Steering, TWO_AXLED,
 };
 
 use voltstep_bench::items::{
+    ONE_DC, TWO_DC, bench_plant_axles_off, bench_plant_dc_off, bench_plant_dcs_off,
     bench_plant_mapped_off, bench_plant_mapped_on, bench_plant_pid_off, bench_plant_pid_on,
-    bench_plant_torque_off, bench_plant_torque_on,
+    bench_plant_pmsm_off, bench_plant_torque_off, bench_plant_torque_on,
 };
 use voltstep_bench::stack::Stack;
 use voltstep_bench::{call, call_uncounted, hprintln};
 
 /// An item that drives a [`Rig`].
-type Item<L, S> = extern "C" fn(&mut RigState<L, S>, &TimeTableOutput, &mut ());
+type Item<L, S, E> = extern "C" fn(&mut RigState<L, S, E>, &TimeTableOutput, &mut ());
 
 /// Where a stretch starts: state of charge and speed \[m/s\], a reference \[m/s\] that takes turns.
 const STRETCHES: &[(f32, f32, [f32; 2])] = &[
     (0.80, 0.0, [60.0, 60.0]),      // the discharge limit
     (0.80, 60.0, [0.0, 0.0]),       // the charge limit
+    (0.02, 60.0, [0.0, 0.0]),       // the same at a lower voltage, where less power reaches it
     (0.80, 60.0, [-60.0, -60.0]),   // plug braking
     (0.80, -60.0, [60.0, 60.0]),    // the same backwards
     (0.0, 0.0, [1.0, 1.0]),         // empty, and from there on
@@ -67,11 +70,11 @@ impl Came {
 }
 
 /// Sends one plant through all stretches. `limited` is another name of `item`.
-fn run<L: Book, B: Pack>(
-    rig: &Rig<L, B>,
+fn run<L: Book, B: Pack, D: Drives, C: Steering<D>>(
+    rig: &Rig<L, B, D, C>,
     stack: &mut Stack,
-    item: Item<L, B::State>,
-    mut limited: impl FnMut(&mut Stack, &mut RigState<L, B::State>, &TimeTableOutput),
+    item: Item<L, B::State, D::State>,
+    mut limited: impl FnMut(&mut Stack, &mut RigState<L, B::State, D::State>, &TimeTableOutput),
 ) -> Option<Came> {
     let mut came = Came::default();
     for (soc, speed_m_s, references) in STRETCHES {
@@ -93,9 +96,9 @@ fn run<L: Book, B: Pack>(
 
 /// Makes a step on a copy, to see what it comes to; whether a limit acts.
 #[inline(never)]
-fn look<L: Book, B: Pack>(
-    rig: &Rig<L, B>,
-    mut state: RigState<L, B::State>,
+fn look<L: Book, B: Pack, D: Drives, C: Steering<D>>(
+    rig: &Rig<L, B, D, C>,
+    mut state: RigState<L, B::State, D::State>,
     reference: &TimeTableOutput,
     came: &mut Came,
 ) -> bool {
@@ -112,7 +115,7 @@ fn look<L: Book, B: Pack>(
 /// Names a plant's item once more, for the plugin: in steps in which a limit acts it is called by
 /// this name, which is one branch more. Then sends the plant through all stretches.
 macro_rules! worst {
-    ($($run:ident: $item:ident, $other:ident, $ledger:ty, $battery:ty, $rig:path;)+) => {$(
+    ($($run:ident: $item:ident, $other:ident, $ledger:ty, $battery:ty, $drives:ty, $rig:path;)+) => {$(
         core::arch::global_asm!(
             concat!(".global ", stringify!($other)),
             concat!(".type ", stringify!($other), ", %function"),
@@ -125,7 +128,7 @@ macro_rules! worst {
             #[allow(improper_ctypes, reason = "the types are those of the item")]
             unsafe extern "C" {
                 safe fn $other(
-                    state: &mut RigState<$ledger, $battery>,
+                    state: &mut RigState<$ledger, $battery, $drives>,
                     input: &TimeTableOutput,
                     out: &mut (),
                 );
@@ -139,17 +142,25 @@ macro_rules! worst {
 
 worst! {
     plant_pid_off: bench_plant_pid_off, bench_limited_pid_off,
-        NoLedger, BatteryState, EPOWERTRAIN;
+        NoLedger, BatteryState, Accum, EPOWERTRAIN;
     plant_pid_on: bench_plant_pid_on, bench_limited_pid_on,
-        EnergyLedger, BatteryState, EPOWERTRAIN_LEDGER;
+        EnergyLedger, BatteryState, Accum, EPOWERTRAIN_LEDGER;
     plant_torque_off: bench_plant_torque_off, bench_limited_torque_off,
-        NoLedger, BatteryState, BMW_I3_CONSTANT;
+        NoLedger, BatteryState, Accum, BMW_I3_CONSTANT;
     plant_torque_on: bench_plant_torque_on, bench_limited_torque_on,
-        EnergyLedger, BatteryState, BMW_I3_CONSTANT_LEDGER;
+        EnergyLedger, BatteryState, Accum, BMW_I3_CONSTANT_LEDGER;
     plant_mapped_off: bench_plant_mapped_off, bench_limited_mapped_off,
-        NoLedger, MappedBatteryState, BMW_I3;
+        NoLedger, MappedBatteryState, Accum, BMW_I3;
     plant_mapped_on: bench_plant_mapped_on, bench_limited_mapped_on,
-        EnergyLedger, MappedBatteryState, BMW_I3_LEDGER;
+        EnergyLedger, MappedBatteryState, Accum, BMW_I3_LEDGER;
+    plant_pmsm_off: bench_plant_pmsm_off, bench_limited_pmsm_off,
+        NoLedger, BatteryState, DqCurrents, BMW_I3_PMSM;
+    plant_axles_off: bench_plant_axles_off, bench_limited_axles_off,
+        NoLedger, BatteryState, (DqCurrents, Accum), TWO_AXLED;
+    plant_dc_off: bench_plant_dc_off, bench_limited_dc_off,
+        NoLedger, BatteryState, Accum, ONE_DC;
+    plant_dcs_off: bench_plant_dcs_off, bench_limited_dcs_off,
+        NoLedger, BatteryState, (Accum, Accum), TWO_DC;
 }
 
 /// Uses 256 bytes of stack and more: the report has to show them.

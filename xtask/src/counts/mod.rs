@@ -30,10 +30,17 @@ const ITEMS: &[(&str, &str)] = &[
     ("plant_torque_on", "the same with the energy ledger"),
     ("plant_mapped_off", "coupled plant + torque driver (`bmw-i3-60ah`)"),
     ("plant_mapped_on", "the same with the energy ledger"),
+    ("plant_pmsm_off", "coupled plant + torque driver and loop (`bmw-i3-60ah-pmsm`)"),
+    ("plant_axles_off", "coupled plant + torque driver and loops (`two-axles`)"),
+    ("plant_dc_off", "coupled plant + torque driver and loop (`bmw-i3-60ah-constant`)"),
+    ("plant_dcs_off", "the same car with two DC drives"),
     ("limited_pid_off", "coupled plant + PID driver, steps in which a battery limit acts"),
     ("limited_torque_off", "coupled plant + torque driver (`bmw-i3-60ah-constant`), the same"),
     ("limited_mapped_off", "coupled plant + torque driver (`bmw-i3-60ah`), the same"),
     ("powertrain", "coupled plant alone (`bmw-i3-60ah-constant`), every output kept"),
+    ("limited_pmsm_off", "`bmw-i3-60ah-pmsm`, steps in which a battery limit acts"),
+    ("limited_axles_off", "`two-axles`, the same"),
+    ("limited_dcs_off", "two DC drives, the same"),
     ("battery", "battery"),
     ("mapped_battery", "battery with a map"),
     ("rc_branch", "RC branch"),
@@ -55,8 +62,11 @@ const ITEMS: &[(&str, &str)] = &[
     ("sine", "sine"),
 ];
 
-/// How many of them are whole plants.
-const PLANTS: usize = 10;
+/// How many of them are whole plants that a loop has time for.
+const PLANTS: usize = 14;
+
+/// What a second DC drive may add to a step.
+const SECOND_DC: f64 = 190.0;
 
 /// What the same plant in C is compared with.
 const COMPARED: &str = "plant_pid_off";
@@ -75,7 +85,7 @@ const PATHS: &[&str] = &["discharge", "charge", "refused", "standstill"];
 const WITHOUT_LOADS: &str = "plant_pid";
 const STARVED: &str = "starved";
 /// How many plants there are, with and without a ledger.
-const WORST_CASES: usize = 6;
+const WORST_CASES: usize = 10;
 /// A function that uses this much stack on purpose: the report has to show it.
 const DEEP: (&str, u64) = ("deep", 256);
 
@@ -130,6 +140,7 @@ pub fn counts() -> Result<()> {
         .iter()
         .map(|(name, about)| Ok((*about, measured.cost(name)?)))
         .collect::<Result<_>>()?;
+    second_dc(measured.cost("plant_dc_off")?, measured.cost("plant_dcs_off")?)?;
     let ours = measured.cost(COMPARED)?;
     let plugin = plugin(&firmware::binary("voltstep-bench")?)?;
     let compared = compare::table((ours.mean, ours.flash, ours.state), &plugin)?;
@@ -166,6 +177,13 @@ pub fn counts() -> Result<()> {
 
 fn missing(name: &str) -> String {
     format!("`{name}` was not measured")
+}
+
+/// A second drive costs little beside the first.
+fn second_dc(one: Cost, two: Cost) -> Result<()> {
+    let more = two.mean - one.mean;
+    ensure!(more <= SECOND_DC, "a second DC drive takes {more:.1} instructions more");
+    Ok(())
 }
 
 /// Each plant went through everything that UDDS does not come to, and stack that is used is seen.
@@ -243,7 +261,8 @@ mod tests {
     fn the_worst_case_has_to_be_one() {
         let path = "discharge=true charge=true starved=true refused=true standstill=true";
         let said = |path: &str, deep: u32| {
-            let plants = ["pid", "torque", "mapped"].map(|plant| [plant, plant]).concat();
+            let plants =
+                ["pid", "torque", "mapped", "pmsm", "dc"].map(|plant| [plant, plant]).concat();
             let came: Vec<_> = plants.iter().map(|p| format!("came plant_{p} {path}")).collect();
             format!("{}\nitem deep 0 {deep}\n", came.join("\n"))
         };
@@ -254,6 +273,13 @@ mod tests {
             assert!(check_paths(&said(&missed, 280)).is_err(), "{word}");
         }
         assert!(check_paths("item deep 0 280").is_err(), "no plant");
+    }
+
+    #[test]
+    fn a_second_drive_costs_little() {
+        assert!(second_dc(COST, Cost { mean: 290.0, ..COST }).is_ok());
+        let dear = second_dc(COST, Cost { mean: 290.1, ..COST }).unwrap_err().to_string();
+        assert!(dear.contains("190.1"), "{dear}");
     }
 
     #[test]

@@ -27,7 +27,8 @@ macro_rules! keep {
 fn main() -> ! {
     keep!(
         items: bench_nothing bench_plant_pid_off bench_plant_pid_on bench_plant_torque_off
-        bench_plant_torque_on bench_plant_mapped_off bench_plant_mapped_on bench_powertrain
+        bench_plant_torque_on bench_plant_mapped_off bench_plant_mapped_on bench_plant_pmsm_off
+        bench_plant_axles_off bench_plant_dc_off bench_plant_dcs_off bench_powertrain
         bench_battery bench_mapped_battery bench_rc_branch bench_auxiliary
         bench_converter bench_dc_motor bench_gearbox bench_wheel bench_body
         bench_rotational_load bench_axis bench_slope bench_pid bench_torque_driver
