@@ -10,14 +10,16 @@ use plant_core::battery::{
 };
 use plant_core::converter::{ConverterParams, Gates};
 use plant_core::machine::dc::DcMotorParams;
-use plant_core::machine::flux::{Flux, LinearFlux};
+use plant_core::machine::flux::{Flux, FluxAxis, FluxMap, LinearFlux};
 use plant_core::machine::pmsm::PmsmParams;
 use plant_core::machine::transform::Dq;
 use plant_core::mechanics::body::{BodyParams, Road, RoadResistance};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::slope::Grade;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{DriveParams, Powertrain, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{
+    DriveParams, Drives, DrivesParams, PackParams, PowertrainInput, PowertrainParams,
+};
 use voltstep::read::vehicle::{DriveKind, VehicleBattery};
 
 /// A driving cycle: read, or refused with a place.
@@ -78,6 +80,7 @@ pub fn cell(data: &[u8]) {
 }
 
 /// Numbers out of bytes; where these end, the last number again.
+#[derive(Clone, Copy)]
 struct Bits<'a> {
     data: &'a [u8],
     last: f32,
@@ -91,7 +94,23 @@ impl Bits<'_> {
         }
         self.last
     }
+
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "any count will do")]
+    fn count(&mut self) -> u16 {
+        self.next() as u16
+    }
+
+    /// What comes after so many numbers.
+    fn after(mut self, numbers: usize) -> Self {
+        for _ in 0..numbers {
+            self.next();
+        }
+        self
+    }
 }
+
+/// Numbers that are kept for one step, whatever it reads of them.
+const PER_STEP: usize = 24;
 
 fn over_soc(bits: &mut Bits<'_>) -> OverSoc {
     OverSoc::Constant(bits.next())
@@ -197,7 +216,7 @@ fn synchronous(bits: &mut Bits<'_>, like: &DriveParams) -> DriveParams<PmsmParam
             }),
             resistance_ohm: bits.next(),
             resistance_per_k: 0.0,
-            pole_pairs: bits.next() as u16,
+            pole_pairs: bits.count(),
             iron_s: bits.next(),
             inertia_kg_m2: bits.next(),
             viscous_nm_s_per_rad: bits.next(),
@@ -209,7 +228,7 @@ fn synchronous(bits: &mut Bits<'_>, like: &DriveParams) -> DriveParams<PmsmParam
     }
 }
 
-fn gates<M>(bits: &mut Bits<'_>, modulation: impl FnOnce(&mut Bits<'_>) -> M) -> Gates<M> {
+fn gates<'a, M>(bits: &mut Bits<'a>, modulation: impl FnOnce(&mut Bits<'a>) -> M) -> Gates<M> {
     match bits.next() {
         which if which < 0.0 => Gates::Off,
         which if which < 1.0 => Gates::Torque(bits.next()),
@@ -217,9 +236,10 @@ fn gates<M>(bits: &mut Bits<'_>, modulation: impl FnOnce(&mut Bits<'_>) -> M) ->
     }
 }
 
+/// What a step is told beside its command.
 fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     PowertrainInput {
-        gates: gates(bits, |bits| bits.next()),
+        gates: Gates::Off,
         road: Road {
             grade: Grade { sin: bits.next(), cos: bits.next() },
             headwind_m_s: bits.next(),
@@ -232,45 +252,100 @@ fn input(bits: &mut Bits<'_>) -> PowertrainInput {
     }
 }
 
-/// The plant with any bits for parameters and inputs, with either battery, and with two drives: it
-/// refuses them, or steps without a panic and keeps the state of charge within 0..1.
-pub fn step(data: &[u8]) {
+/// The same with a flux map, its axes any bits, its table one of two.
+fn saturating(bits: &mut Bits<'_>, like: DriveParams<PmsmParams>) -> DriveParams<PmsmParams> {
+    let mut axis = || FluxAxis { start_a: bits.next(), step_a: bits.next(), points: bits.count() };
+    let (d, q) = (axis(), axis());
+    let flux_wb = if bits.next() < 0.0 { &FOLDED } else { &SATURATING };
+    let motor = PmsmParams { flux: Flux::Map(FluxMap { d, q, flux_wb }), ..like.motor };
+    DriveParams { motor, ..like }
+}
+
+/// Four currents of the d axis, four of the q axis: both saturate.
+static SATURATING: [[f32; 2]; 16] = {
+    let (d, q) = ([0.01, 0.025, 0.04, 0.05], [-0.06, -0.03, 0.0, 0.06]);
+    let (mut table, mut i) = ([[0.0; 2]; 16], 0);
+    while i < 16 {
+        table[i] = [d[i / 4], q[i % 4]];
+        i += 1;
+    }
+    table
+};
+/// More current makes less flux.
+static FOLDED: [[f32; 2]; 16] = {
+    let mut table = SATURATING;
+    table[5] = [-1.0, 1e30];
+    table
+};
+
+/// Which plants of [`step`] took a step that they did not refuse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stepped {
+    /// A DC machine on a battery of constant parameters.
+    pub plain: bool,
+    /// The same on a battery with a map.
+    pub mapped: bool,
+    /// A synchronous machine, of constant inductances and with a flux map.
+    pub synchronous: [bool; 2],
+    /// Both kinds of machine, in either order; two of a kind; a pair of pairs.
+    pub pairs: [bool; 5],
+}
+
+/// Thirty-two steps, without a panic and with the state of charge within 0..1. Whether one of them
+/// was taken.
+fn steps<P: PackParams, Q: DrivesParams>(
+    params: PowertrainParams<P, Q>,
+    dt: Dt,
+    (soc, speed_m_s): (f32, f32),
+    mut bits: Bits<'_>,
+    command: impl Fn(&mut Bits<'_>) -> <Q::Drives as Drives>::Command,
+) -> bool {
+    let Ok(plant) = params.build(dt) else { return false };
+    let plant = plant.with_ledger();
+    let Ok(start) = plant.at_speed(soc, speed_m_s) else { return false };
+    let (mut state, mut taken) = (start, false);
+    for _ in 0..32 {
+        let mut now = bits;
+        let PowertrainInput { road, auxiliary_w, limits, .. } = input(&mut now);
+        let gates = command(&mut now);
+        bits = bits.after(PER_STEP);
+        let out = plant.step(&mut state, PowertrainInput { gates, road, auxiliary_w, limits });
+        assert!((0.0..=1.0).contains(&out.soc), "{:?}", out.flows);
+        taken |= !out.rejected;
+    }
+    let _ = plant.energy(&start, &state);
+    taken
+}
+
+/// Plants with any bits for parameters and inputs, with either battery and with drives of all kinds:
+/// they refuse them, or step. Each reads its own after those of the first, so that a seed for one
+/// remains one.
+pub fn step(data: &[u8]) -> Stepped {
     let mut bits = Bits { data, last: 1.0 };
-    let Ok(dt) = Dt::from_s(bits.next()) else { return };
-    let (soc, speed_m_s) = (bits.next(), bits.next());
+    let Ok(dt) = Dt::from_s(bits.next()) else { return Stepped::default() };
+    let start = (bits.next(), bits.next());
     let params = plant(&mut bits);
-    if let Ok(plant) = Powertrain::new(params, dt).map(Powertrain::with_ledger)
-        && let Ok(start) = plant.at_speed(soc, speed_m_s)
-    {
-        let (mut state, mut bits) = (start, Bits { data: bits.data, last: bits.last });
-        for _ in 0..32 {
-            let out = plant.step(&mut state, input(&mut bits));
-            assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
-        }
-        let _ = plant.energy(&start, &state);
-    }
-    let pmsm = synchronous(&mut bits, &params.drives);
-    if let Ok(plant) = params.with_drives((pmsm, params.drives)).build(dt)
-        && let Ok(mut state) = plant.at_speed(soc, speed_m_s)
-    {
-        for _ in 0..32 {
-            let of_both = (
-                gates(&mut bits, |bits| Dq { d: bits.next(), q: bits.next() }),
-                gates(&mut bits, |bits| bits.next()),
-            );
-            let PowertrainInput { road, auxiliary_w, limits, .. } = input(&mut bits);
-            let input = PowertrainInput { gates: of_both, road, auxiliary_w, limits };
-            let out = plant.step(&mut state, input);
-            assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
-        }
-    }
-    let battery = mapped(&mut bits, &params.battery);
-    if let Ok(plant) = params.with_battery(battery).build(dt)
-        && let Ok(mut state) = plant.at_speed(soc, speed_m_s)
-    {
-        for _ in 0..32 {
-            let out = plant.step(&mut state, input(&mut bits));
-            assert!((0.0..=1.0).contains(&out.soc), "{out:?}");
-        }
-    }
+    let duty = |bits: &mut Bits<'_>| gates(bits, Bits::next);
+    let vector = |bits: &mut Bits<'_>| gates(bits, |bits| Dq { d: bits.next(), q: bits.next() });
+
+    let plain = steps(params, dt, start, bits, duty);
+    let mut of_map = bits;
+    let battery = mapped(&mut of_map, &params.battery);
+    let mapped = steps(params.with_battery(battery), dt, start, of_map, duty);
+
+    let dc = params.drives;
+    let linear = synchronous(&mut bits, &dc);
+    let map = saturating(&mut bits, linear);
+    let synchronous =
+        [linear, map].map(|drive| steps(params.with_drives(drive), dt, start, bits, vector));
+    let pairs = [
+        steps(params.with_drives((linear, dc)), dt, start, bits, |b| (vector(b), duty(b))),
+        steps(params.with_drives((dc, map)), dt, start, bits, |b| (duty(b), vector(b))),
+        steps(params.with_drives((map, linear)), dt, start, bits, |b| (vector(b), vector(b))),
+        steps(params.with_drives((dc, dc)), dt, start, bits, |b| (duty(b), duty(b))),
+        steps(params.with_drives(((linear, dc), (dc, map))), dt, start, bits, |b| {
+            ((vector(b), duty(b)), (duty(b), vector(b)))
+        }),
+    ];
+    Stepped { plain, mapped, synchronous, pairs }
 }

@@ -27,7 +27,30 @@ fn readers() {
 
 #[test]
 fn steps() {
-    run("step", targets::step);
+    run("step", |data| {
+        targets::step(data);
+    });
+}
+
+/// Each kind of plant takes steps on some file of the corpus: one that refuses them all tests
+/// nothing.
+#[test]
+fn every_plant_steps() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus/step");
+    let mut all = targets::Stepped::default();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let stepped = targets::step(&std::fs::read(entry.unwrap().path()).unwrap());
+        all.plain |= stepped.plain;
+        all.mapped |= stepped.mapped;
+        for (all, one) in all.synchronous.iter_mut().zip(stepped.synchronous) {
+            *all |= one;
+        }
+        for (all, one) in all.pairs.iter_mut().zip(stepped.pairs) {
+            *all |= one;
+        }
+    }
+    assert!(all.plain && all.mapped, "{all:?}");
+    assert!(all.synchronous == [true; 2] && all.pairs == [true; 5], "{all:?}");
 }
 
 /// A seed that is refused at once would test nothing.
