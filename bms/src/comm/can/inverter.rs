@@ -179,7 +179,7 @@ impl Alarms {
         Alarm::ALL.into_iter().fold(0, |bits, alarm| bits | pair(alarm) << shift(alarm))
     }
 
-    /// What is not a plain "no" is an alarm.
+    /// What is not supported, 0 or 3, is no alarm.
     fn of_pairs(bits: u64) -> Self {
         let raised = |alarm: &Alarm| bits >> shift(*alarm) & 3 == 1;
         Self(Alarm::ALL.into_iter().filter(raised).fold(0, |set, alarm| set | 1 << alarm as u8))

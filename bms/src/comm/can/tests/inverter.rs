@@ -125,6 +125,11 @@ fn examples_of_a_public_implementation_are_understood() {
     assert!(view.hear(&message(0x35e, b"PYLON   ")));
     assert_eq!(&view.name, b"PYLON   ");
     assert!(!view.hear(&message(0x351, &[0; 6])), "a shorter one");
+    // 0x35A: 0 and 3 are "not supported".
+    for pairs in [0x00, 0xff] {
+        assert!(view.hear(&message(0x35a, &[pairs; 8])));
+        assert_eq!((view.alarms, view.warnings), (Alarms::NONE, Alarms::NONE), "{pairs:#x}");
+    }
 }
 
 #[test]

@@ -18,9 +18,10 @@ fn value(range: core::ops::Range<Real>) -> impl Strategy<Value = Real> {
     prop_oneof![4 => range, 1 => Just(Real::NAN)]
 }
 
-/// The same to within half a step and what single precision adds, or both missing.
+/// The same to within half a step and what single precision adds, or both missing; a signal with an
+/// offset is as coarse everywhere as at its far end, which `step` allows for by a thousandth.
 fn near(a: Real, b: Real, step: Real) -> bool {
-    a.is_nan() && b.is_nan() || (a - b).abs() <= 0.5 * step + 2e-6 * a.abs().max(1.0)
+    a.is_nan() && b.is_nan() || (a - b).abs() <= 0.501 * step + 2e-6 * a.abs()
 }
 
 fn verdict(tripped: u128, latched: u128) -> Verdict {
@@ -66,7 +67,7 @@ proptest! {
         let heard = Pack::decode(&Pack { pack_v, link_v, current_a }.encode(alive)).unwrap();
         prop_assert!(near(heard.pack_v, pack_v, 0.02), "{heard:?}");
         prop_assert!(near(heard.link_v, link_v, 0.02), "{heard:?}");
-        // The offset costs a share of single precision.
+        // Seen from the offset a current has up to 3276 A, with 0.0002 between two numbers.
         prop_assert!(near(heard.current_a, current_a, 0.051), "{heard:?}");
     }
 

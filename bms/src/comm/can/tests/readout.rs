@@ -81,11 +81,13 @@ fn other_messages_and_parts_are_left_alone() {
 
 #[test]
 fn what_is_asked_for_is_found() {
-    let entries = [entry(4), entry(5), entry(6)];
+    let entries = [entry(4), entry(6), entry(9)];
     for (asked, found) in [
-        (LogRequest::Newest, Some(6)),
+        (LogRequest::Newest, Some(9)),
         (LogRequest::Sequence(4), Some(4)),
-        (LogRequest::Sequence(7), None),
+        (LogRequest::Sequence(6), Some(6)),
+        (LogRequest::Sequence(5), None),
+        (LogRequest::Sequence(10), None),
         (LogRequest::Sequence(u32::MAX), None),
     ] {
         assert_eq!(LogRequest::decode(&asked.encode()), Some(asked));
