@@ -41,6 +41,7 @@ fn every_request_comes_through() {
         REQUEST.hear(&mut charger, &ask(Request::Drive).encode_charger(alive));
     }
     assert_eq!(charger.request(), Request::Charge, "the other's messages are left alone");
+    assert!(REQUEST.faults(&charger).is_empty(), "and are not counted as corrupt");
 }
 
 #[test]
