@@ -34,6 +34,7 @@
 //! | [`balance`] | which cells are bled, and what that takes out of them |
 //! | [`log`] | what happened, in memory and on a flash memory |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
+//! | [`comm::can`] | status, limits, cells, faults, log and requests over a CAN bus |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
 //! # Conventions
