@@ -18,8 +18,8 @@ use discharge::Discharge;
 
 /// Seconds of the rolling average of current and power: the minute of \[SmartBattery1998\].
 const AVERAGE_S: Real = 60.0;
-/// Discharges that a report takes.
-const CASES: usize = 5;
+/// Discharges that a report takes, and so the calls of [`EnergyGauge::walk`].
+pub const DISCHARGES: usize = 5;
 
 /// Parameters of an [`EnergyGauge`]: what counts as empty and as full.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,13 +111,13 @@ pub struct Left {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EnergyWalk {
     next: usize,
-    left: [Left; CASES],
+    left: [Left; DISCHARGES],
 }
 
 impl EnergyWalk {
     /// Before the first call.
     pub const START: Self =
-        Self { next: 0, left: [Left { charge_ah: 0.0, energy_wh: 0.0 }; CASES] };
+        Self { next: 0, left: [Left { charge_ah: 0.0, energy_wh: 0.0 }; DISCHARGES] };
 }
 
 impl Default for EnergyWalk {
@@ -206,7 +206,7 @@ impl<'b> EnergyGauge<'b> {
         health: &Health,
     ) -> Option<EnergyReport> {
         let mut walk = EnergyWalk::START;
-        for _ in 0..CASES - 1 {
+        for _ in 0..DISCHARGES - 1 {
             self.walk(&mut walk, state, estimate, health);
         }
         self.walk(&mut walk, state, estimate, health)
@@ -263,7 +263,7 @@ impl<'b> EnergyGauge<'b> {
             *left = discharge.run(&from);
         }
         walk.next += 1;
-        if walk.next < CASES {
+        if walk.next < DISCHARGES {
             return None;
         }
         let [now, full, cold, less, more] = walk.left;

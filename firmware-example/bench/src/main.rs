@@ -106,6 +106,7 @@ fn run() -> Option<()> {
         capacity,
         energy_step,
         energy_report,
+        energy_walk,
         power_ahead,
         power_walk,
         power_cells,
@@ -235,6 +236,8 @@ fn run() -> Option<()> {
             if step % STEPS_PER_BLOCK == 0 {
                 let [walk, cells_walk] = &mut l.walks;
                 call!(energy_report, pack::bench_energy_report, &mut l.energy, &l.known);
+                l.energy_walk.1 = l.energy;
+                call!(energy_walk, pack::bench_energy_walk, &mut l.energy_walk, &l.known);
                 call!(power_ahead, pack::bench_power_ahead, &mut (), &l.known);
                 call!(power_walk, pack::bench_power_walk, walk, &l.known);
                 call!(power_cells, pack::bench_power_cells, &mut (), &l.of_cells);
@@ -255,7 +258,7 @@ fn run() -> Option<()> {
     learnt.say();
     let rare = Rare {
         capacity: &mut capacity,
-        energy_report: &mut energy_report,
+        energy: [&mut energy_report, &mut energy_walk],
         power: [&mut power_ahead, &mut power_walk],
         cells: [&mut power_cells, &mut power_cells_walk],
     };
@@ -290,7 +293,7 @@ fn run() -> Option<()> {
         ekf_update: pack.ekf, ekf_refresh: (), counter_step: pack.counter, counter_review: (),
         cells: pack.cells, kalman: pack.kalman,
         resistance: learnt.resistance, capacity: learnt.capacity, energy_step: learnt.energy,
-        energy_report: (), power_ahead: (), power_walk: learnt.walks[0], power_cells: (),
+        energy_report: (), energy_walk: learnt.energy_walk.0, power_ahead: (), power_walk: learnt.walks[0], power_cells: (),
         power_cells_walk: (), cell_resistances: learnt.of_cells.resistances,
         series: learnt.of_cells.socs,
     );

@@ -9,7 +9,7 @@ use voltstep_bms::estimate::cells::{
 };
 use voltstep_bms::estimate::ekf::{EkfInput, EkfMemory};
 use voltstep_bms::estimate::energy::{
-    EnergyGauge, EnergyInput, EnergyParams, EnergyReport, EnergyState,
+    DISCHARGES, EnergyGauge, EnergyInput, EnergyParams, EnergyReport, EnergyState, EnergyWalk,
 };
 use voltstep_bms::estimate::power::{
     HORIZONS, HORIZONS_S, PowerAhead, PowerLimits, PowerParams, PowerWalk, SLICES_OF_CELLS,
@@ -158,6 +158,17 @@ pub extern "C" fn bench_energy_report(
     *out = GAUGE.report(state, estimate, health);
 }
 
+/// A slice of it: one discharge.
+#[unsafe(no_mangle)]
+#[inline(never)]
+pub extern "C" fn bench_energy_walk(
+    (walk, state): &mut (EnergyWalk, EnergyState),
+    (estimate, health): &Known,
+    out: &mut Option<EnergyReport>,
+) {
+    *out = GAUGE.walk(walk, state, estimate, health);
+}
+
 /// State of power, all horizons and directions at once.
 #[unsafe(no_mangle)]
 #[inline(never)]
@@ -236,6 +247,8 @@ pub struct Learnt {
     pub capacity: CapacityState,
     /// The averages.
     pub energy: EnergyState,
+    /// How far what is left has been worked out, from averages as they were.
+    pub energy_walk: (EnergyWalk, EnergyState),
     /// How far the limits have come, of one cell and of all.
     pub walks: [PowerWalk; 2],
     /// What is believed of one cell.
@@ -279,6 +292,7 @@ impl Learnt {
             resistance: RESISTANCE.unknown(),
             capacity: CAPACITY.unknown(),
             energy: EnergyState::default(),
+            energy_walk: (EnergyWalk::START, EnergyState::default()),
             walks: [PowerWalk::START; 2],
             known,
             of_cells: OfCells {
@@ -318,8 +332,8 @@ impl Learnt {
 pub struct Rare<'a> {
     /// Of the capacity.
     pub capacity: &'a mut Stack,
-    /// Of the energy left.
-    pub energy_report: &'a mut Stack,
+    /// Of the energy left, at once and in slices.
+    pub energy: [&'a mut Stack; 2],
     /// Of the limits of one cell, at once and in slices.
     pub power: [&'a mut Stack; 2],
     /// Of those of all, likewise.
@@ -329,7 +343,8 @@ pub struct Rare<'a> {
 /// From nearly empty to nearly full, cold to hot, new and aged, polarised either way: what UDDS does
 /// not come to. And pairs of rests: that agree, that contradict, that contradict alike.
 pub fn everywhere(learnt: &mut Learnt, stacks: Rare) -> Option<()> {
-    let Rare { capacity, energy_report, power: [at_once, in_slices], cells } = stacks;
+    let Rare { capacity, energy: [report, a_discharge], power: [at_once, in_slices], cells } =
+        stacks;
     let [cells_at_once, cells_in_slices] = cells;
     for celsius in [-25.0, -10.0, 0.0, 25.0, 44.0] {
         for soc in [0.03, 0.1, 0.3, 0.6, 0.95] {
@@ -340,7 +355,10 @@ pub fn everywhere(learnt: &mut Learnt, stacks: Rare) -> Option<()> {
                 };
                 learnt.known = (estimate, Health { resistance_factor: factor, ..HEALTH });
                 let known = &learnt.known;
-                call!(energy_report, bench_energy_report, &mut learnt.energy, known);
+                call!(report, bench_energy_report, &mut learnt.energy, known);
+                for _ in 0..DISCHARGES {
+                    call!(a_discharge, bench_energy_walk, &mut learnt.energy_walk, known);
+                }
                 call!(at_once, bench_power_ahead, &mut (), known);
                 for _ in 0..2 * HORIZONS {
                     call!(in_slices, bench_power_walk, &mut learnt.walks[0], known);

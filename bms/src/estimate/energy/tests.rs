@@ -151,7 +151,7 @@ fn a_walk_comes_to_the_report() {
     let known = Health { resistance_factor_sd: 0.1, ..health() };
     let mut walk = EnergyWalk::default();
     for _ in 0..2 {
-        for _ in 0..CASES - 1 {
+        for _ in 0..DISCHARGES - 1 {
             assert_eq!(GAUGE.walk(&mut walk, &state, &estimate, &known), None);
         }
         let walked = GAUGE.walk(&mut walk, &state, &estimate, &known);

@@ -41,7 +41,7 @@ fn main() -> ! {
         bench_cells bench_kalman
     );
     keep!(
-        pack: bench_resistance bench_capacity bench_energy_step bench_energy_report
+        pack: bench_resistance bench_capacity bench_energy_step bench_energy_report bench_energy_walk
         bench_power_ahead bench_power_walk bench_power_cells bench_power_cells_walk
         bench_cell_resistances bench_series
     );

@@ -26,7 +26,7 @@ pub struct DriveParams<M = DcMotorParams> {
     pub motor: M,
     /// The gearbox.
     pub gearbox: GearboxParams,
-    /// Bandwidth of the ideal current loop behind [`Gates::Torque`] \[1/s\], above zero.
+    /// Bandwidth of the ideal current loop behind [`Gates::Torque`](crate::converter::Gates::Torque) \[1/s\], above zero.
     #[cfg_attr(feature = "serde", serde(default = "default_torque_rate"))]
     pub torque_rate_per_s: Real,
     /// Of a driver's demand this drive takes its share, in proportion to those of the others, above

@@ -14,6 +14,7 @@ use super::super::inverter::{Alarm, Alarms, InverterView};
 use super::super::state::{MODES, PHASES, REASONS, TRIPS};
 use super::super::*;
 use super::{INVERTER, OWN};
+use crate::Real;
 use crate::contactor::{Cause, Phase};
 use crate::limit::{Limit, Limited, Limits, Mode, Request};
 use crate::log::{Entry, Frame, Kind};
@@ -80,7 +81,7 @@ fn lines_of(field: &Field, name: String, page: Option<u64>) -> Vec<Line> {
         (false, Some(_)) => (0.0, all - 1.0),
     };
     // The file says 0.1, the code the nearest number in single precision.
-    let exact = |number: f32| number.to_string().parse::<f64>().unwrap();
+    let exact = |number: Real| number.to_string().parse::<f64>().unwrap();
     let (factor, offset) = (exact(field.factor), exact(field.offset));
     let place = (u64::from(field.start), u64::from(field.width), field.signed);
     let numbers = [factor, offset, low * factor + offset, high * factor + offset];
@@ -234,7 +235,7 @@ fn a_tool_sees_what_was_sent() {
         permit: true,
         mode: Mode::Charge,
         soc: 0.423,
-        soc_sd: f32::NAN,
+        soc_sd: Real::NAN,
     };
     let wanted = [
         ("Phase", 7.0),
@@ -248,7 +249,7 @@ fn a_tool_sees_what_was_sent() {
         ("Alive", 9.0),
     ];
     assert_seen(&dbc, &status.encode(9), &wanted);
-    let pack = Pack { pack_v: 401.62, link_v: f32::NAN, current_a: -87.65 };
+    let pack = Pack { pack_v: 401.62, link_v: Real::NAN, current_a: -87.65 };
     let wanted = [
         ("PackVoltage", 401.62),
         ("PackVoltageValid", 1.0),
@@ -259,7 +260,7 @@ fn a_tool_sees_what_was_sent() {
     assert_seen(&dbc, &pack.encode(0), &wanted);
     let limits = Limits {
         discharge: Limit { current_a: 250.19, by: Limited::Pack },
-        charge: Limit { current_a: f32::NAN, by: Limited::Unknown },
+        charge: Limit { current_a: Real::NAN, by: Limited::Unknown },
     };
     let wanted = [
         ("DischargeCurrent", 250.1),
@@ -268,7 +269,7 @@ fn a_tool_sees_what_was_sent() {
         ("ChargeBy", 5.0),
     ];
     assert_seen(&dbc, &encode_limits(&limits, 0), &wanted);
-    let cells = CellGroup { group: 23, cell_v: [3.6, f32::NAN, 3.7, 4.181] };
+    let cells = CellGroup { group: 23, cell_v: [3.6, Real::NAN, 3.7, 4.181] };
     let wanted =
         [("Voltage92", 3.6), ("Voltage93Valid", 0.0), ("Voltage94", 3.7), ("Voltage95", 4.181)];
     assert_seen(&dbc, &cells.encode(), &wanted);

@@ -42,9 +42,9 @@ proptest! {
 
     #[test]
     fn a_view_comes_back(
-        (charge_v, discharge_v, pack_v) in (0.0_f32..6000.0, 0.0_f32..6000.0, 0.0_f32..327.0),
-        (charge_a, discharge_a, current_a) in (0.0_f32..3276.0, 0.0_f32..3276.0, -3276.0_f32..3276.0),
-        (soc, soh, temperature_c) in (0.0_f32..1.0, 0.0_f32..1.0, -100.0_f32..200.0),
+        (charge_v, discharge_v, pack_v) in (0.0 as Real..6000.0, 0.0 as Real..6000.0, 0.0 as Real..327.0),
+        (charge_a, discharge_a, current_a) in (0.0 as Real..3276.0, 0.0 as Real..3276.0, -3276.0 as Real..3276.0),
+        (soc, soh, temperature_c) in (0.0 as Real..1.0, 0.0 as Real..1.0, -100.0 as Real..200.0),
         (alarm, warning) in (0_u16..1 << 13, 0_u16..1 << 13),
         (may_charge, may_discharge, force_charge, full_charge) in any::<(bool, bool, bool, bool)>(),
         name in any::<[u8; 8]>(),

@@ -73,7 +73,7 @@ proptest! {
 
     #[test]
     fn limits_come_back_and_never_higher(
-        (discharge_a, charge_a) in (0.0_f32..6553.0, 0.0_f32..6553.0),
+        (discharge_a, charge_a) in (0.0 as Real..6553.0, 0.0 as Real..6553.0),
         (discharge_by, charge_by) in (0..REASONS.len(), 0..REASONS.len()),
         alive in 0_u8..15,
     ) {

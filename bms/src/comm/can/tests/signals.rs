@@ -93,7 +93,7 @@ proptest! {
     /// Half a step where it is rounded to the nearest, a step and never above for limits; and what
     /// single precision adds.
     #[test]
-    fn a_value_comes_back_within_a_step(share in 0.0_f32..=1.0) {
+    fn a_value_comes_back_within_a_step(share in 0.0 as Real..=1.0) {
         for field in values() {
             let (low, high) = field.range();
             let span = (high as Real - low as Real) * field.factor;
