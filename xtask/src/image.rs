@@ -45,7 +45,8 @@ const OPTIONAL: &[&str] = &[
     "bms/src/comm/smart_battery.rs",
 ];
 /// Modules whose functions belong to no type.
-const MODULES: &[&str] = &["num", "port", "error", "transform", "battery", "contactor", "limit"];
+const MODULES: &[&str] =
+    &["num", "port", "error", "transform", "battery", "contactor", "limit", "can"];
 
 pub fn is_panic(symbol: &str) -> bool {
     symbol.contains("core::panicking") || symbol.contains("rust_begin_unwind")

@@ -5,6 +5,7 @@
 //! xtask image` looks, and demands that this list names every public function.
 
 mod flash;
+mod frame;
 
 use core::hint::black_box;
 
@@ -49,6 +50,11 @@ use plant_core::thermal::{
 use plant_core::{Accum, Dt, Model, ParamError};
 use voltstep_bms::Estimate;
 use voltstep_bms::balance::{self, Balancer};
+use voltstep_bms::comm::can::inverter::{Alarm, Alarms, InverterView};
+use voltstep_bms::comm::can::{
+    self, CellExtremes, CellGroup, Command, FaultPage, LogReader, LogRequest, Message,
+    RequestWatch, RequestWatchState, Status, TemperatureExtremes,
+};
 use voltstep_bms::contactor::{
     self, Cause, ContactorControl, ContactorState, LinkTrend, PinFaults, PrechargeState,
     PrechargeWatch,
@@ -110,6 +116,7 @@ fn main() -> ! {
     numbers();
     management();
     protection();
+    bus();
     controls();
     loop {
         cortex_m::asm::nop();
@@ -300,6 +307,31 @@ fn protection() {
         Verdict::derates, Table::new, Table::with, Table::rows, Table::row, Table::sheet, Table::period_s,
         Table::longest_s,
     );
+}
+
+#[rustfmt::skip]
+fn bus() {
+    keep!(
+        CellExtremes::of, CellExtremes::encode, CellExtremes::decode,
+        TemperatureExtremes::of, TemperatureExtremes::encode, TemperatureExtremes::decode,
+        CellGroup::of, CellGroup::encode, CellGroup::decode,
+        FaultPage::of, FaultPage::latched, FaultPage::encode, FaultPage::decode,
+        Message::frame::<frame::CanFrame>, Message::of::<frame::CanFrame>, Message::id, Message::data,
+        can::alive_after, Alarm::of, Alarms::with, Alarms::has,
+        InverterView::alarms_of, InverterView::encode, InverterView::hear,
+        LogRequest::encode, LogRequest::decode, can::log_parts, LogReader::read,
+        Command::encode_vehicle, Command::encode_charger,
+        RequestWatchState::request, RequestWatchState::take_clear,
+        RequestWatch::elapse, RequestWatch::hear, RequestWatch::faults,
+        Status::encode, Status::decode, can::Pack::encode, can::Pack::decode,
+        can::encode_limits, can::decode_limits,
+        find_in_log as fn(&LogRequest, &'static Log) -> Option<&'static Entry>,
+    );
+}
+
+/// The log's iterator has no name.
+fn find_in_log(request: &LogRequest, log: &'static Log) -> Option<&'static Entry> {
+    LogRequest::find(request, log.entries())
 }
 
 /// A pin that does nothing.

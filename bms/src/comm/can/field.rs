@@ -196,7 +196,8 @@ impl Field {
         #[expect(clippy::cast_possible_truncation, reason = "it saturates, and is in range then")]
         let nearest = floor((value - self.offset) / self.factor + 0.5) as i32;
         let above = self.rounding == Rounding::Down && self.physical(nearest) > value;
-        let raw = nearest.saturating_sub(i32::from(above)).clamp(low, high);
+        // Not by `clamp`, which can panic.
+        let raw = nearest.saturating_sub(i32::from(above)).max(low).min(high);
         let bits = self.with_raw(bits, bits_of(raw));
         self.valid.map_or(bits, |valid| bits | 1 << valid)
     }
