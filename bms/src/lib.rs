@@ -34,6 +34,7 @@
 //! | [`balance`] | which cells are bled, and what that takes out of them |
 //! | [`log`] | what happened, in memory and on a flash memory |
 //! | [`store::record`] | what is worth knowing after a power cut, in two slots |
+//! | [`manage`] | the whole BMS as one struct, from one description |
 //! | [`comm::can`] | status, limits, cells, faults, log and requests over a CAN bus |
 //! | `comm::smart_battery` | the pack as a Smart Battery (feature `smart-battery`) |
 //!
@@ -49,6 +50,7 @@ pub mod contactor;
 pub mod estimate;
 pub mod limit;
 pub mod log;
+pub mod manage;
 pub mod measure;
 pub mod protect;
 pub mod store;
@@ -60,6 +62,7 @@ pub use estimate::ekf::{Ekf, EkfInput, EkfOutput, EkfParams, EkfState};
 pub use estimate::energy::EnergyGauge;
 pub use estimate::power::PowerLimits;
 pub use estimate::soh::Health;
+pub use manage::{Bms, BmsParams, BmsState, Board, Description};
 pub use measure::{Measurements, Reading};
 pub use plant_core::{Accum, Dt, ParamError, Real, must};
 

@@ -25,7 +25,7 @@ mod spread;
 pub use params::CellsParams;
 use params::{SMALLEST_NOISE_V, cell_v, noise_variances};
 pub use resistance::{CellResistanceParams, CellResistances, CellResistancesState};
-pub use spread::{CellSoc, SocSpread};
+pub use spread::{BLED_SD, CellSoc, SocSpread};
 
 /// How far each cell's state of charge lies from the pack's.
 ///

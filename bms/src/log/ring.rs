@@ -86,6 +86,12 @@ impl Log {
         self.occurrences.get(usize::from(id.index())).copied().unwrap_or_default()
     }
 
+    /// The number of the newest entry; `None` where none was ever written.
+    #[must_use]
+    pub fn newest(&self) -> Option<u32> {
+        self.entries.back().map(|entry| entry.sequence).or_else(|| self.next.checked_sub(1))
+    }
+
     /// The oldest entry that is not stored yet.
     #[must_use]
     pub fn pending(&self) -> Option<&Entry> {

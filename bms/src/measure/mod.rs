@@ -3,7 +3,7 @@
 //! It is ours. Tests: below.
 
 use plant_core::num::{max, min, sane};
-use plant_core::{Dt, Real};
+use plant_core::Real;
 
 /// One value from one sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,10 +51,10 @@ impl Reading {
         }
     }
 
-    /// Lets `dt` pass.
+    /// Lets a time pass \[s\].
     #[inline]
-    pub const fn age(&mut self, dt: Dt) {
-        self.age_s += dt.s();
+    pub const fn elapse(&mut self, elapsed_s: Real) {
+        self.age_s += elapsed_s;
     }
 }
 
@@ -65,6 +65,20 @@ impl Default for Reading {
 }
 
 /// Everything that is measured on a pack of `CELLS` cells in series with `SENSORS` temperatures.
+///
+/// ```
+/// use voltstep_bms::{Measurements, Reading};
+///
+/// let mut now: Measurements<3, 1> = Measurements::NONE;
+/// now.cell_v = [3.71, 0.0, 3.69].map(Reading::new);
+/// now.cell_v[1].valid = false; // a wire is lost
+/// now.current_a = Reading::new(12.5);
+/// let cells = now.cell_spread(0.1).expect("two cells are usable");
+/// assert_eq!((cells.usable, cells.min_index, cells.max_index), (2, 2, 0));
+///
+/// now.elapse(0.2);
+/// assert_eq!(now.current_a.usable(0.1), None); // too old
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measurements<const CELLS: usize, const SENSORS: usize> {
@@ -90,14 +104,14 @@ impl<const CELLS: usize, const SENSORS: usize> Measurements<CELLS, SENSORS> {
         link_v: Reading::NONE,
     };
 
-    /// Lets `dt` pass for every reading.
-    pub fn age(&mut self, dt: Dt) {
+    /// Lets a time pass for every reading \[s\], as it was measured.
+    pub fn elapse(&mut self, elapsed_s: Real) {
         for reading in self.cell_v.iter_mut().chain(&mut self.temperature_c) {
-            reading.age(dt);
+            reading.elapse(elapsed_s);
         }
-        self.current_a.age(dt);
-        self.pack_v.age(dt);
-        self.link_v.age(dt);
+        self.current_a.elapse(elapsed_s);
+        self.pack_v.elapse(elapsed_s);
+        self.link_v.elapse(elapsed_s);
     }
 
     /// The voltage of each cell \[V\], NaN where it is not usable.
@@ -192,48 +206,6 @@ impl Spread {
     }
 }
 
-/// Where measurements come from: a front-end chip, a current sensor, a plant in place of both.
-///
-/// ```
-/// use voltstep_bms::measure::{MeasurementSource, Measurements, Reading};
-/// use voltstep_bms::{Dt, ParamError};
-///
-/// /// A front end that has lost the wire to its second cell.
-/// struct Bench;
-///
-/// impl MeasurementSource<3, 1> for Bench {
-///     type Error = core::convert::Infallible;
-///
-///     fn read(&mut self, into: &mut Measurements<3, 1>) -> Result<(), Self::Error> {
-///         into.cell_v = [3.71, 0.0, 3.69].map(Reading::new);
-///         into.cell_v[1].valid = false;
-///         into.current_a = Reading::new(12.5);
-///         Ok(())
-///     }
-/// }
-///
-/// let mut now = Measurements::NONE;
-/// let Ok(()) = Bench.read(&mut now);
-/// let cells = now.cell_spread(0.1).expect("two cells are usable");
-/// assert_eq!((cells.usable, cells.min_index, cells.max_index), (2, 2, 0));
-///
-/// now.age(Dt::from_s(0.2)?);
-/// assert_eq!(now.current_a.usable(0.1), None); // too old
-/// # Ok::<(), ParamError>(())
-/// ```
-pub trait MeasurementSource<const CELLS: usize, const SENSORS: usize> {
-    /// Why nothing could be read.
-    type Error;
-
-    /// Replaces the readings that are new; the others keep their value and their age, as do all
-    /// after an error.
-    ///
-    /// # Errors
-    /// Those of the source; what could not be trusted may also be given as a reading that is not
-    /// valid.
-    fn read(&mut self, into: &mut Measurements<CELLS, SENSORS>) -> Result<(), Self::Error>;
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,7 +232,6 @@ mod tests {
 
     #[test]
     fn ages_every_reading() {
-        let dt = Dt::from_s(0.25).unwrap();
         let new = Reading::new(1.0);
         let mut now: Measurements<2, 1> = Measurements {
             cell_v: [new; 2],
@@ -269,8 +240,8 @@ mod tests {
             pack_v: new,
             link_v: new,
         };
-        now.age(dt);
-        now.age(dt);
+        now.elapse(0.25);
+        now.elapse(0.25);
         for reading in [
             now.cell_v[0],
             now.cell_v[1],

@@ -134,6 +134,19 @@ impl<const CELLS: usize, const SENSORS: usize> ProtectionState<CELLS, SENSORS> {
         (self.last_cells.seen > 0).then_some((self.last_cells.lowest, self.last_cells.highest))
     }
 
+    /// How much of the charge of squared current that a direction may take for a short time is used
+    /// up, ≥ 0; at 1 it trips.
+    #[must_use]
+    pub fn heat_share(&self, table: &Table, flow: Flow) -> Real {
+        let [discharge, charge] = self.heat_a2s;
+        let heat_a2s = match flow {
+            Flow::Discharge => discharge,
+            Flow::Charge => charge,
+        };
+        let threshold = table.row(Id::Heat(flow)).threshold;
+        if threshold > 0.0 { heat_a2s / threshold } else { 1.0 }
+    }
+
     /// Coldest and hottest sensor of the last sweep \[°C\]; `None` where none was seen.
     #[must_use]
     pub fn temperature_extremes_c(&self) -> Option<(Real, Real)> {

@@ -215,20 +215,20 @@ impl Sensor {
     }
 
     /// Between bad and good: four standard deviations of the noise or two steps, whatever is more.
-    pub(super) const fn hysteresis(&self) -> Real {
+    pub(crate) const fn hysteresis(&self) -> Real {
         let (noise, steps) = (4.0 * self.noise_sd, 2.0 * self.resolution);
         if noise > steps { noise } else { steps }
     }
 
     /// Older than this, a value is missing \[s\]: half a period late.
-    pub(super) const fn oldest_s(&self, tick_s: Real) -> Real {
+    pub(crate) const fn oldest_s(&self, tick_s: Real) -> Real {
         1.5 * self.period_s + tick_s
     }
 }
 
 impl PackSheet {
     /// Ticks of a sweep, at least one: a division by it cannot fail.
-    pub(super) const fn turns(&self) -> u16 {
+    pub(crate) const fn turns(&self) -> u16 {
         if self.sweep_ticks == 0 { 1 } else { self.sweep_ticks }
     }
 

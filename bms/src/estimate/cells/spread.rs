@@ -5,6 +5,10 @@ use plant_core::num::{clamp, min, sqrt};
 
 use super::{CellsState, real};
 
+/// What is not known of a charge that was bled, as a ratio. Chosen: resistors of 1 % and a voltage
+/// that falls while it is bled.
+pub const BLED_SD: Real = 0.05;
+
 /// The state of charge of one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -50,6 +54,19 @@ impl<const CELLS: usize> CellsState<CELLS> {
             soc_sd: sqrt(min(variance, 1.0)),
             held,
         })
+    }
+
+    /// Says that so much was bled from a cell, as a state of charge ≥ 0. Not known of it is
+    /// [`BLED_SD`], a ratio; what is not finite or below zero is not taken.
+    pub fn book(&mut self, index: usize, bled_soc: Real) {
+        if !(0.0..=1.0).contains(&bled_soc) {
+            return;
+        }
+        if let Some(cell) = self.cells.get_mut(index) {
+            cell.soc -= bled_soc;
+            cell.variance += (BLED_SD * bled_soc) * (BLED_SD * bled_soc);
+            self.mean_soc -= bled_soc / real(CELLS);
+        }
     }
 
     /// Lowest, mean and highest state of charge; without cells, the pack's.

@@ -7,7 +7,7 @@ use plant_core::{ParamError, check};
 use crate::Health;
 
 use super::trust::LOAD_MEMORY_S;
-use super::{Ekf, EkfState};
+use super::{Ekf, EkfState, UNKNOWN_SD};
 
 /// A time that nobody knows counts as this long for what may have flowed \[s\]. Chosen: a month.
 const UNKNOWN_S: Real = 2.6e6;
@@ -34,6 +34,17 @@ pub struct EkfMemory {
     pub current_offset_a: Real,
     /// Its standard deviation \[A\], ≥ 0.
     pub current_offset_sd_a: Real,
+}
+
+impl EkfMemory {
+    /// Nothing: half full, as uncertain as a state of charge can be.
+    pub const UNKNOWN: Self = Self {
+        soc: 0.5,
+        soc_sd: UNKNOWN_SD,
+        polarisation: None,
+        current_offset_a: 0.0,
+        current_offset_sd_a: 0.0,
+    };
 }
 
 /// What the last minutes left in the battery.

@@ -30,6 +30,18 @@ impl Record {
         }
     }
 
+    /// What the filter remembers.
+    #[must_use]
+    pub const fn memory(&self) -> EkfMemory {
+        EkfMemory {
+            soc: self.soc,
+            soc_sd: self.soc_sd,
+            polarisation: self.polarisation,
+            current_offset_a: self.current_offset_a,
+            current_offset_sd_a: self.current_offset_sd_a,
+        }
+    }
+
     /// What was known of the battery's health.
     #[must_use]
     pub const fn health(&self) -> Health {
@@ -61,14 +73,7 @@ impl Record {
         now_s: Option<u32>,
         temperature_c: Real,
     ) -> Result<EkfState, ParamError> {
-        let memory = EkfMemory {
-            soc: self.soc,
-            soc_sd: self.soc_sd,
-            polarisation: self.polarisation,
-            current_offset_a: self.current_offset_a,
-            current_offset_sd_a: self.current_offset_sd_a,
-        };
-        let mut state = filter.resume(memory, self.age_s(now_s), temperature_c)?;
+        let mut state = filter.resume(self.memory(), self.age_s(now_s), temperature_c)?;
         filter.adopt(&mut state, &self.health());
         Ok(state)
     }
