@@ -43,6 +43,7 @@ const CRATES: &[Crate] = &[
             &["protect"],
             &["balance", "contactor", "limit", "log"],
             &["store", "comm"],
+            &["manage"],
         ],
     },
     Crate {

@@ -121,14 +121,6 @@ impl BmsParams {
         }
     }
 
-    /// Below this current the pack rests \[A\]: what offset and noise of the sensor let be told from
-    /// none, or C/100.
-    #[must_use]
-    pub const fn rest_current_a(&self) -> Real {
-        let parallel = self.sheet.layout.parallel as Real;
-        super::most(2.0 * self.current_offset_sd_a, 0.01 * parallel * self.cell.capacity_ah)
-    }
-
     /// Samples of the filter in a second.
     #[must_use]
     pub const fn per_second(&self) -> u32 {
@@ -163,9 +155,14 @@ pub(super) const fn whole(ratio: Real) -> u32 {
     }
 }
 
+#[allow(clippy::cast_precision_loss, reason = "counts are below 2^24")]
+pub(super) const fn real(count: u32) -> Real {
+    count as Real
+}
+
 /// Whether a ratio is a whole number, to rounding.
 const fn is_whole(ratio: Real) -> bool {
-    let off = ratio - whole(ratio) as Real;
+    let off = ratio - real(whole(ratio));
     off.abs() < 1e-3
 }
 

@@ -49,7 +49,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             },
         );
         self.contact(state, board, [current_a, pack_v, link_v]);
-        self.write_down(state, latched_before, [current_a, pack_v, link_v]);
+        write_down(state, latched_before, [current_a, pack_v, link_v]);
         // A wish to end faults counts once.
         state.asked.clear = Clear::No;
         self.sum(state, current_a, elapsed_s);
@@ -61,7 +61,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
         let before = state.uptime_us.replace(uptime_us);
         let Some(before) = before else { return self.of.params().sheet.tick_s };
         let us = uptime_us.saturating_sub(before);
-        #[expect(clippy::cast_precision_loss, reason = "seven digits are enough of a time")]
+        #[allow(clippy::cast_precision_loss, reason = "seven digits are enough of a time")]
         let us = us as Real;
         min(us * 1e-6, LONGEST_S)
     }
@@ -147,38 +147,6 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
         }
     }
 
-    /// Into the log: what tripped, healed and was ended.
-    fn write_down(
-        &self,
-        state: &mut BmsState<CELLS, SENSORS>,
-        latched_before: Faults,
-        [current_a, pack_v, link_v]: [Real; 3],
-    ) {
-        let Verdict { rose, fell, latched, .. } = state.verdict;
-        let ended = latched_before.minus(latched);
-        if rose.union(fell).union(ended).is_empty() {
-            return;
-        }
-        let nan = (Real::NAN, Real::NAN);
-        let cells_v = state.protection.cell_extremes_v().unwrap_or(nan);
-        let temperatures_c = state.protection.temperature_extremes_c().unwrap_or(nan);
-        let frame = Frame {
-            cell_v: [cells_v.0, cells_v.1],
-            temperature_c: [temperatures_c.0, temperatures_c.1],
-            current_a,
-            pack_v,
-            link_v,
-            soc: state.series.filter.soc(),
-        };
-        let ms = state.uptime_us.unwrap_or(0) / 1000;
-        #[expect(clippy::cast_possible_truncation, reason = "the log's time wraps after 49 days")]
-        let ms = ms as u32;
-        let phase = state.contactors.phase() as u8;
-        for (rows, kind) in [(rose, Kind::Tripped), (fell, Kind::Healed), (ended, Kind::Cleared)] {
-            state.log.write(rows, kind, ms, phase, frame);
-        }
-    }
-
     /// What the filter will take, and what has gone through the battery.
     fn sum(&self, state: &mut BmsState<CELLS, SENSORS>, current_a: Real, elapsed_s: Real) {
         let sheet = &self.of.params().sheet;
@@ -191,5 +159,36 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             state.throughput_ah.add(max(current_a, -current_a) * elapsed_s / 3600.0);
         }
         state.was_closed |= state.contactors.phase() == Phase::Closed;
+    }
+}
+
+/// Into the log: what tripped, healed and was ended.
+fn write_down<const CELLS: usize, const SENSORS: usize>(
+    state: &mut BmsState<CELLS, SENSORS>,
+    latched_before: Faults,
+    [current_a, pack_v, link_v]: [Real; 3],
+) {
+    let Verdict { rose, fell, latched, .. } = state.verdict;
+    let ended = latched_before.minus(latched);
+    if rose.union(fell).union(ended).is_empty() {
+        return;
+    }
+    let nan = (Real::NAN, Real::NAN);
+    let cells_v = state.protection.cell_extremes_v().unwrap_or(nan);
+    let temperatures_c = state.protection.temperature_extremes_c().unwrap_or(nan);
+    let frame = Frame {
+        cell_v: [cells_v.0, cells_v.1],
+        temperature_c: [temperatures_c.0, temperatures_c.1],
+        current_a,
+        pack_v,
+        link_v,
+        soc: state.series.filter.soc(),
+    };
+    let ms = state.uptime_us.unwrap_or(0) / 1000;
+    #[expect(clippy::cast_possible_truncation, reason = "the log's time wraps after 49 days")]
+    let ms = ms as u32;
+    let phase = state.contactors.phase() as u8;
+    for (rows, kind) in [(rose, Kind::Tripped), (fell, Kind::Healed), (ended, Kind::Cleared)] {
+        state.log.write(rows, kind, ms, phase, frame);
     }
 }

@@ -37,11 +37,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
 
     /// All that a record holds, before the power goes.
     #[must_use]
-    pub fn worth_keeping(
-        &self,
-        state: &BmsState<CELLS, SENSORS>,
-        now_s: Option<u32>,
-    ) -> Record {
+    pub fn worth_keeping(&self, state: &BmsState<CELLS, SENSORS>, now_s: Option<u32>) -> Record {
         let table = self.of.table();
         let locks = |id: &_| table.row(*id).clear >= Clear::Service;
         let row = state.verdict.latched.iter().find(locks);

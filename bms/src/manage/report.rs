@@ -3,6 +3,7 @@
 use plant_core::Real;
 
 use super::{Bms, BmsState};
+use crate::Health;
 use crate::contactor::{Cause, Phase};
 use crate::estimate::cells::SocSpread;
 use crate::estimate::ekf::EkfStatus;
@@ -10,7 +11,6 @@ use crate::estimate::energy::EnergyReport;
 use crate::limit::{Limits, Mode};
 use crate::measure::Spread;
 use crate::protect::Verdict;
-use crate::Health;
 
 /// Where a state of charge comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,11 +77,8 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             (counter.soc(&state.series.counter), counter.soc_sd(&state.series.counter));
         let by_filter = (filter.soc, filter.soc_sd, SocSource::Filter);
         let by_counter = (counted, counted_sd, SocSource::Counter);
-        let (soc, soc_sd, soc_from) = if counted_sd < filter.soc_sd || !status.consistent {
-            by_counter
-        } else {
-            by_filter
-        };
+        let (soc, soc_sd, soc_from) =
+            if counted_sd < filter.soc_sd || !status.consistent { by_counter } else { by_filter };
         let sheet = &self.of.params().sheet;
         let (sensing, parallel) = (&sheet.sensing, Real::from(sheet.layout.parallel));
         let oldest_s = |sensor: &crate::protect::Sensor| sensor.oldest_s(sheet.tick_s);

@@ -3,6 +3,7 @@
 use plant_core::Real;
 use plant_core::num::{max, min, sane};
 
+use super::description::{real, whole};
 use super::samples::Samples;
 use super::{Bms, BmsState, Board};
 use crate::balance::BalancerInput;
@@ -11,8 +12,8 @@ use crate::estimate::energy::{DISCHARGES, EnergyInput};
 use crate::estimate::power::{SLICES_OF_CELLS, SeriesCells};
 use crate::estimate::series::SeriesInput;
 use crate::limit::LimiterInput;
-use crate::protect::{Flow, Trip};
 use crate::measure::Spread;
+use crate::protect::{Currents, Flow, Trip};
 
 /// Samples that were missed and are made up for; beyond, the battery has stood unseen. Chosen: a
 /// second at ten samples a second, in which the filter's own model still holds.
@@ -44,7 +45,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
         let contactors_open = matches!(state.contactors.phase(), Phase::Standby | Phase::Fault)
             && state.contactors.coils() == Coils::default();
 
-        let slept = periods > super::real(MADE_UP_FOR);
+        let slept = periods > real(MADE_UP_FOR);
         if slept {
             let standby_sd_a = self.series.filter.params().uncertainty.standby_sd_a;
             let elapsed_s = Some(samples.elapsed_s);
@@ -52,7 +53,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             self.series.counter.pause(&mut state.series.counter, elapsed_s, standby_sd_a);
             state.rested_s += samples.elapsed_s;
         }
-        let missed = if slept { 0 } else { super::description::whole(periods).saturating_sub(1) };
+        let missed = if slept { 0 } else { whole(periods).saturating_sub(1) };
         let unseen = [Real::NAN; CELLS];
         for late in (0..=missed).rev() {
             let cell_v = if late == 0 { &cell_v } else { &unseen };
@@ -93,7 +94,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
         let cell = &self.of.params().sheet.cell;
         let ahead = state.power.as_ref().and_then(|power| power.get(HORIZON));
         let heat = |flow| state.protection.heat_share(self.of.table(), flow);
-        let warm_a = |currents: &crate::protect::Currents, share: Real| {
+        let warm_a = |currents: &Currents, share: Real| {
             let more_a = currents.ten_seconds_a - currents.continuous_a;
             currents.continuous_a + max(0.0, 1.0 - share) * more_a
         };

@@ -54,6 +54,7 @@ impl Asked {
 
 /// What a [`Bms`] remembers from call to call; [`Bms::start`] makes one.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
 pub struct BmsState<const CELLS: usize, const SENSORS: usize> {
     pub(super) now: Measurements<CELLS, SENSORS>,
     /// `None` before the first call.

@@ -1,0 +1,342 @@
+//! A simulated pack and a board around it.
+
+extern crate std;
+
+use plant_core::battery::{MappedBattery, MappedBatteryInput, MappedBatteryState};
+use plant_core::presets::PANASONIC_NCR18650PF as CELL;
+
+use super::*;
+use crate::contactor::{Cause, Coils, Feedback, Phase};
+use crate::estimate::ekf::EkfMemory;
+use crate::limit::{Limits, Request};
+use crate::protect::{Clear, EXAMPLE, Faults, Id, Level, Side, Trip};
+use crate::store::record::Record;
+use crate::{Health, Measurements, Reading, Real, must};
+
+const CELLS: usize = 14;
+const PARALLEL: Real = 20.0;
+static PACK: Description = must!(Description::new(BmsParams::typical(EXAMPLE, CELL, 33.0)));
+const BMS: Bms<CELLS, 4> = must!(Bms::new(&PACK));
+
+/// Cells that are alike, three contactors, a link with a resistor.
+struct Rig {
+    battery: MappedBattery,
+    cell: MappedBatteryState,
+    cell_v: Real,
+    link_v: Real,
+    coils: Coils,
+    us: u64,
+    tick_us: u64,
+    load_a: Real,
+    flags: Faults,
+    over_v: [Real; CELLS],
+    lost: bool,
+    bled: [bool; CELLS],
+    current_a: Real,
+}
+
+impl Rig {
+    fn new(soc: Real) -> Self {
+        let dt = Dt::from_s(0.001).unwrap();
+        let battery = MappedBattery::new(CELL, dt).unwrap();
+        let cell = battery.rested_at(soc, 25.0).unwrap();
+        Self {
+            battery,
+            cell,
+            cell_v: 3.7,
+            link_v: 0.0,
+            coils: Coils::default(),
+            us: 0,
+            tick_us: 1000,
+            load_a: 0.0,
+            flags: Faults::NONE,
+            over_v: [0.0; CELLS],
+            lost: false,
+            bled: [false; CELLS],
+            current_a: 0.0,
+        }
+    }
+}
+
+impl Board<CELLS, 4> for Rig {
+    fn uptime_us(&mut self) -> u64 {
+        self.us += self.tick_us;
+        self.us
+    }
+
+    fn measure(&mut self, into: &mut Measurements<CELLS, 4>) {
+        let Coils { minus, precharge, plus } = self.coils;
+        let pack_v = 14.0 * self.cell_v;
+        let (through_a, load_a) = match (minus, precharge, plus) {
+            (true, _, true) => {
+                self.link_v = pack_v;
+                (0.0, self.load_a)
+            }
+            (true, true, false) => ((pack_v - self.link_v) / 33.0, 0.0),
+            _ => (0.0, 0.0),
+        };
+        self.link_v += through_a * 0.001 / (0.04 / 33.0);
+        self.current_a = through_a + load_a;
+        let input = MappedBatteryInput { current_a: self.current_a / PARALLEL };
+        self.cell_v = self.battery.step(&mut self.cell, input).terminal_v;
+        if self.lost {
+            return;
+        }
+        for ((reading, over_v), bled) in into.cell_v.iter_mut().zip(self.over_v).zip(self.bled) {
+            // A bleed current in the wires.
+            *reading = Reading::new(self.cell_v + over_v - if bled { 0.02 } else { 0.0 });
+        }
+        into.temperature_c = [Reading::new(25.0); 4];
+        into.current_a = Reading::new(self.current_a);
+        into.pack_v = Reading::new(pack_v);
+        into.link_v = Reading::new(self.link_v);
+    }
+
+    fn feedback(&mut self) -> [Feedback; 3] {
+        let Coils { minus, precharge, plus } = self.coils;
+        [minus, precharge, plus].map(|on| if on { Feedback::Closed } else { Feedback::Open })
+    }
+
+    fn drive(&mut self, coils: Coils) -> bool {
+        self.coils = coils;
+        true
+    }
+
+    fn bleed(&mut self, cells: &[bool; CELLS]) {
+        self.bled = *cells;
+    }
+
+    fn flags(&mut self) -> Faults {
+        self.flags
+    }
+}
+
+type State = BmsState<CELLS, 4>;
+
+const OFF: Asked = Asked { vehicle: Request::Off, ..Asked::NOTHING };
+const DRIVE: Asked = Asked { vehicle: Request::Drive, ..Asked::NOTHING };
+
+fn run(state: &mut State, rig: &mut Rig, ms: u32) {
+    for _ in 0..ms {
+        BMS.tick(state, rig);
+    }
+}
+
+/// The time until something is so \[ms\].
+fn until(state: &mut State, rig: &mut Rig, most_ms: u32, so: impl Fn(&State) -> bool) -> u32 {
+    for ms in 1..=most_ms {
+        BMS.tick(state, rig);
+        if so(state) {
+            return ms;
+        }
+    }
+    panic!("not within {most_ms} ms: {:?}", BMS.report(state));
+}
+
+/// A pack at so much that drives.
+fn driving(soc: Real) -> (State, Rig) {
+    let mut rig = Rig::new(soc);
+    let record = Record { soc, soc_sd: 0.02, ..record() };
+    let mut state = BMS.start(Some(&record), Some(100), 25.0).unwrap();
+    BMS.request(&mut state, OFF);
+    run(&mut state, &mut rig, 100);
+    BMS.request(&mut state, DRIVE);
+    until(&mut state, &mut rig, 1000, |state| state.contactors.phase() == Phase::Closed);
+    (state, rig)
+}
+
+fn record() -> Record {
+    let health = Health::as_new(PACK.battery());
+    Record { written_at_s: Some(100), ..Record::of(EkfMemory::UNKNOWN, health) }
+}
+
+#[test]
+fn drives_and_knows_what_is_left() {
+    let (mut state, mut rig) = driving(0.8);
+    for second in 0..120_u16 {
+        rig.load_a = if second % 20 < 10 { 60.0 } else { -10.0 };
+        run(&mut state, &mut rig, 1000);
+    }
+    let report = BMS.report(&state);
+    let truth = rig.cell.soc.get();
+    assert!((report.soc - truth).abs() < 3.0 * report.soc_sd, "{truth} {report:?}");
+    assert!(report.soc_sd < 0.02, "{report:?}");
+    assert!((report.soc - truth).abs() < 0.01, "{truth} {report:?}");
+    let Limits { discharge, charge } = report.limits;
+    assert!(discharge.current_a > 20.0 * 5.0 && charge.current_a > 10.0, "{report:?}");
+    let energy = report.energy.expect("after a second");
+    // 14 groups of 20 cells of 2.9 Ah at about 3.6 V.
+    let nominal_wh = 14.0 * 20.0 * 2.9 * 3.6;
+    let left = energy.remaining_energy_wh / nominal_wh;
+    assert!((left - truth).abs() < 0.1, "{left} {truth}");
+    assert!((report.capacity_ah - 58.0).abs() < 3.0);
+    assert!(report.throughput_ah > 1.0 && report.verdict.tripped.is_empty(), "{report:?}");
+}
+
+#[test]
+fn a_cell_too_high_opens_in_time() {
+    let (mut state, mut rig) = driving(0.8);
+    rig.over_v[9] = 0.6;
+    let trips = until(&mut state, &mut rig, 200, |state| state.verdict.trip == Trip::Hard);
+    assert!(trips <= 100, "{trips}");
+    let opens = until(&mut state, &mut rig, 200, |state| !state.contactors.coils().plus);
+    assert!(opens <= 51, "{opens}");
+    let high = Id::CellVoltage(Side::High, Level::Msl);
+    assert!(state.verdict.latched.has(high));
+    let entries: std::vec::Vec<_> = state.log().entries().filter(|e| e.id == high).collect();
+    assert_eq!(entries.len(), 1, "{entries:?}");
+    assert!(entries[0].frame.cell_v[1] > 4.25 && (entries[0].frame.soc - 0.8).abs() < 0.02);
+    // Nothing closes until it is gone and somebody ends it.
+    rig.over_v = [0.0; CELLS];
+    run(&mut state, &mut rig, 12_000);
+    assert_eq!(state.contactors.phase(), Phase::Fault, "{:?}", BMS.report(&state));
+    BMS.request(&mut state, Asked { clear: Clear::Reset, ..OFF });
+    run(&mut state, &mut rig, 100);
+    BMS.request(&mut state, DRIVE);
+    until(&mut state, &mut rig, 1000, |state| state.contactors.phase() == Phase::Closed);
+}
+
+#[test]
+fn data_that_do_not_come_end_the_drive() {
+    let (mut state, mut rig) = driving(0.5);
+    rig.lost = true;
+    let trips = until(&mut state, &mut rig, 200, |state| state.verdict.trip == Trip::Soft);
+    assert!(trips <= 101, "{trips}");
+    until(&mut state, &mut rig, 2100, |state| !state.contactors.coils().plus);
+    let Limits { discharge, charge } = BMS.report(&state).limits;
+    assert_eq!((discharge.current_a, charge.current_a), (0.0, 0.0));
+}
+
+#[test]
+fn a_crash_opens_at_once() {
+    let (mut state, mut rig) = driving(0.5);
+    rig.load_a = 200.0;
+    run(&mut state, &mut rig, 5);
+    rig.flags = Faults::NONE.with(Id::Crash);
+    let opens =
+        until(&mut state, &mut rig, 10, |state| state.contactors.coils() == Coils::default());
+    assert!(opens <= 2, "{opens}");
+    // Beyond a power cut, until a workshop ends it.
+    rig.flags = Faults::NONE;
+    rig.load_a = 0.0;
+    run(&mut state, &mut rig, 6000);
+    let record = BMS.record(&mut state, Some(110)).expect("worth it");
+    assert_ne!(record.lock_out_cause, 0);
+    let mut state = BMS.start(Some(&record), Some(200), 25.0).unwrap();
+    BMS.request(&mut state, OFF);
+    run(&mut state, &mut rig, 500);
+    BMS.request(&mut state, DRIVE);
+    run(&mut state, &mut rig, 1000);
+    assert_eq!((state.contactors.phase(), state.contactors.cause()), (Phase::Fault, Cause::Crash));
+    assert!(state.verdict.latched.has(Id::Crash));
+    BMS.request(&mut state, Asked { clear: Clear::Reset, ..OFF });
+    run(&mut state, &mut rig, 100);
+    assert_eq!(state.contactors.phase(), Phase::Fault, "a driver cannot end it");
+    BMS.request(&mut state, Asked { clear: Clear::Service, ..OFF });
+    run(&mut state, &mut rig, 100);
+    assert_eq!(state.contactors.phase(), Phase::Standby);
+}
+
+#[test]
+fn a_record_is_worth_a_write_when_it_opens() {
+    let (mut state, mut rig) = driving(0.6);
+    assert_eq!(BMS.record(&mut state, Some(101)), None, "nothing has changed");
+    rig.load_a = 30.0;
+    run(&mut state, &mut rig, 20_000);
+    assert_eq!(BMS.record(&mut state, Some(121)), None);
+    rig.load_a = 0.0;
+    BMS.request(&mut state, OFF);
+    until(&mut state, &mut rig, 10_000, |state| state.contactors.phase() == Phase::Standby);
+    let record = BMS.record(&mut state, Some(130)).expect("it has opened");
+    assert_eq!(BMS.record(&mut state, Some(131)), None, "once");
+    let resumed = BMS.start(Some(&record), Some(160), 25.0).unwrap();
+    let (before, after) = (BMS.report(&state), BMS.report(&resumed));
+    assert!((before.soc - after.soc).abs() < 2e-3, "{before:?} {after:?}");
+    assert!(record.polarisation.is_some() && record.throughput_ah > 0.15, "{record:?}");
+    assert_eq!(before.throughput_ah, after.throughput_ah);
+    let late = BMS.start(Some(&record), None, 25.0).unwrap();
+    assert!(BMS.report(&late).soc_sd > after.soc_sd, "nobody knows how long it stood");
+}
+
+#[test]
+fn late_calls_lose_no_charge() {
+    for late in [1, 3, 7] {
+        let (mut state, mut rig) = driving(0.7);
+        rig.load_a = 100.0;
+        let before = (BMS.series.counter.soc(&state.series.counter), rig.cell.soc.get());
+        // A whole number of samples of either length.
+        for n in 1..=21_000_u32 {
+            BMS.fast(&mut state, &mut rig);
+            if n % (100 * late) == 0 {
+                BMS.filter(&mut state, &mut rig);
+            }
+        }
+        let after = (BMS.series.counter.soc(&state.series.counter), rig.cell.soc.get());
+        let (counted, gone) = (before.0 - after.0, before.1 - after.1);
+        assert!((counted / gone - 1.0).abs() < 2e-3, "{late}: {counted} {gone}");
+    }
+}
+
+#[test]
+fn sleep_ages_what_is_known() {
+    let (mut state, mut rig) = driving(0.7);
+    BMS.request(&mut state, OFF);
+    until(&mut state, &mut rig, 10_000, |state| state.contactors.phase() == Phase::Standby);
+    let before = BMS.report(&state);
+    rig.tick_us = 8 * 3600 * 1_000_000;
+    BMS.fast(&mut state, &mut rig);
+    rig.tick_us = 1000;
+    BMS.filter(&mut state, &mut rig);
+    let after = BMS.report(&state);
+    // C/3000 over eight hours.
+    let grown = after.soc_sd * after.soc_sd - before.soc_sd * before.soc_sd;
+    assert!(after.soc_sd > before.soc_sd && grown < 1e-4, "{before:?} {after:?}");
+    assert!(state.verdict.tripped.has(Id::LateStep) || !state.verdict.rose.has(Id::LateStep));
+}
+
+#[test]
+fn a_fuller_cell_is_bled_and_the_estimate_knows() {
+    let mut rig = Rig::new(0.6);
+    // At this charge the curve rises by some 0.7 V: 5 % of charge.
+    rig.over_v[3] = 0.04;
+    let record = Record { soc: 0.6, soc_sd: 0.005, ..record_of_rest() };
+    let mut state = BMS.start(Some(&record), Some(100), 25.0).unwrap();
+    BMS.request(&mut state, OFF);
+    let mut bled = [0_u32; CELLS];
+    for _ in 0..400_000_u32 {
+        BMS.tick(&mut state, &mut rig);
+        for (count, on) in bled.iter_mut().zip(rig.bled) {
+            *count += u32::from(on);
+        }
+    }
+    assert!(bled[3] > 50_000, "{bled:?}");
+    assert!(bled.iter().enumerate().all(|(cell, ms)| cell == 3 || *ms == 0), "{bled:?}");
+}
+
+fn record_of_rest() -> Record {
+    use crate::estimate::ekf::Polarisation;
+    Record { polarisation: Some(Polarisation::NONE), ..record() }
+}
+
+#[test]
+fn nobody_who_asks_is_heard_beyond_silence() {
+    let (mut state, mut rig) = driving(0.5);
+    BMS.request(&mut state, Asked::NOTHING);
+    until(&mut state, &mut rig, 10_000, |state| state.contactors.phase() == Phase::Standby);
+    BMS.request(&mut state, Asked { vehicle: Request::Drive, charger: Request::Charge, ..OFF });
+    run(&mut state, &mut rig, 3000);
+    assert_eq!(state.contactors.phase(), Phase::Standby, "they do not agree");
+}
+
+#[test]
+fn a_description_that_cannot_be_is_refused() {
+    let usual = BmsParams::typical(EXAMPLE, CELL, 33.0);
+    let refused = |params| Description::new(params).unwrap_err();
+    for sample_s in [0.03, 0.3, 0.1001, 0.0, Real::NAN] {
+        let error = refused(BmsParams { sample_s, ..usual });
+        assert_eq!(error.field(), "bms.sample_s", "{sample_s}");
+    }
+    let error = refused(BmsParams { current_gain_sd: 2.0, ..usual });
+    assert_eq!(error.field(), "bms.current_gain_sd");
+    assert_eq!(Bms::<13, 4>::new(&PACK).unwrap_err(), ParamError::LengthsDiffer("layout.series"),);
+}

@@ -2,8 +2,8 @@
 //!
 //! It is ours. Tests: below.
 
-use plant_core::num::{max, min, sane};
 use plant_core::Real;
+use plant_core::num::{max, min, sane};
 
 /// One value from one sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -115,7 +115,7 @@ fn a_sensor_that_stops_is_told_in_time() {
                     Source::Pack => &mut scene.now.pack_v,
                     _ => &mut scene.now.link_v,
                 };
-                reading.age(dt);
+                reading.elapse(dt.s());
                 scene.step(&mut state).rose.has(Id::Stale(source))
             });
             assert!(ticks.is_some_and(|ticks| ticks <= 100), "{source:?}: {ticks:?} ms");
