@@ -68,6 +68,7 @@ use voltstep_bms::estimate::series::Series;
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
 use voltstep_bms::limit::{self, Limiter};
 use voltstep_bms::log::{self, Entry, Log};
+use voltstep_bms::manage::{self, Asked, BmsParams, Board, Description};
 use voltstep_bms::measure::{self, Reading, Spread};
 use voltstep_bms::protect::{
     self, Debounce, DebounceState, Faults, Id, PackSheet, Reaction, Row, Seen, Table, Verdict,
@@ -102,6 +103,8 @@ type Contactors = contactor::Contactors<Pin, Pin>;
 type BalancerState = balance::BalancerState<CELLS>;
 type Protection = protect::Protection<'static, CELLS, SENSORS>;
 type ProtectionState = protect::ProtectionState<CELLS, SENSORS>;
+type Bms = manage::Bms<CELLS, SENSORS>;
+type BmsState = manage::BmsState<CELLS, SENSORS>;
 
 /// Keeps functions that the linker would drop.
 macro_rules! keep {
@@ -117,6 +120,7 @@ fn main() -> ! {
     management();
     protection();
     bus();
+    whole();
     controls();
     loop {
         cortex_m::asm::nop();
@@ -255,8 +259,8 @@ fn numbers() {
 #[rustfmt::skip]
 fn management() {
     keep!(
-        Reading::new, Reading::usable, Reading::usable_or_nan, Reading::age, Spread::of,
-        Measurements::age, Measurements::cells_or_nan, Measurements::cell_spread, Measurements::fits_in_series,
+        Reading::new, Reading::usable, Reading::usable_or_nan, Reading::elapse, Spread::of,
+        Measurements::elapse, Measurements::cells_or_nan, Measurements::cell_spread, Measurements::fits_in_series,
         Measurements::temperature_spread, <Measurements as Default>::default,
         Uncertainty::typical, EkfParams::typical, EkfState::soc, EkfState::variance, Ekf::new, Ekf::params,
         Ekf::start, Ekf::start_unknown, Ekf::start_rested, Ekf::step, Ekf::update, Ekf::refresh,
@@ -268,7 +272,7 @@ fn management() {
         <CoulombCounter as Model>::step,
         Cells::new, Cells::adopt::<CELLS>, Cells::start::<CELLS>, Cells::step::<CELLS>, CellsState::cell,
         Series::resume::<CELLS>, Series::step::<CELLS>,
-        CellsState::spread, CellResistances::new, CellResistances::start::<CELLS>,
+        CellsState::spread, CellsState::book, CellResistances::new, CellResistances::start::<CELLS>,
         CellResistances::step::<CELLS>, CellResistancesState::ratio,
         Estimate::rested, Health::as_new, Health::capacity_ratio, CapacityEstimator::new, CapacityEstimator::unknown,
         CapacityEstimator::known, CapacityEstimator::step, ResistanceEstimator::new,
@@ -278,7 +282,7 @@ fn management() {
         PowerLimits::ahead_of_cells::<CELLS>, PowerLimits::walk, PowerLimits::walk_of_cells::<CELLS>,
         <PowerWalk as Default>::default,
         Slot::other, Record::checked, Record::encode, Record::decode, Found::in_slots, Found::next,
-        Record::of, Record::health, Record::age_s, Record::filter, Record::counter,
+        Record::of, Record::health, Record::memory, Record::age_s, Record::filter, Record::counter,
         RecordStore::new, RecordStore::load, RecordStore::save, RecordStore::release,
     );
 }
@@ -295,13 +299,13 @@ fn protection() {
         Cause::needs, Cause::code, Cause::at, Cause::faults, ContactorState::phase, ContactorState::cause,
         ContactorState::tries, ContactorState::coils, ContactorState::power_allowed,
         Limiter::new, Limiter::step, limit::arbitrate,
-        Entry::encode, Entry::decode, Log::new, Log::write, Log::entries, Log::occurrences, Log::pending,
+        Entry::encode, Entry::decode, Log::new, Log::write, Log::newest, Log::entries, Log::occurrences, Log::pending,
         Log::stored, Log::lost, LogStore::new, LogStore::newest, LogStore::slots, LogStore::entry,
         LogStore::append, LogStore::release,
         DebounceState::tripped, DebounceState::quiet, Debounce::step, Id::index, Id::at, Id::flow, Id::side,
         Faults::with, Faults::without, Faults::has, Faults::is_empty, Faults::union, Faults::minus,
         Faults::bits, Faults::iter,
-        ProtectionState::locked_by, ProtectionState::latched, ProtectionState::cell_extremes_v,
+        ProtectionState::locked_by, ProtectionState::latched, ProtectionState::cell_extremes_v, ProtectionState::heat_share,
         ProtectionState::temperature_extremes_c, Protection::new, Protection::table, Protection::step,
         Reaction::trip, Seen::all, Seen::flag, Row::judge, PackSheet::sweep_s, Verdict::bars,
         Verdict::derates, Table::new, Table::with, Table::rows, Table::row, Table::sheet, Table::period_s,
@@ -327,6 +331,43 @@ fn bus() {
         can::encode_limits, can::decode_limits,
         find_in_log as fn(&LogRequest, &'static Log) -> Option<&'static Entry>,
     );
+}
+
+#[rustfmt::skip]
+fn whole() {
+    keep!(
+        BmsParams::typical, BmsParams::per_second, BmsParams::ticks_per_sample,
+        Description::new, Description::params, Description::table, Description::battery,
+        Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
+        Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
+        BmsState::measurements, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
+    );
+}
+
+/// A board of which nothing is known.
+struct Idle;
+
+impl Board<CELLS, SENSORS> for Idle {
+    fn uptime_us(&mut self) -> u64 {
+        black_box(0)
+    }
+
+    fn measure(&mut self, into: &mut Measurements) {
+        black_box(into);
+    }
+
+    fn feedback(&mut self) -> [contactor::Feedback; 3] {
+        black_box([contactor::Feedback::Unknown; 3])
+    }
+
+    fn drive(&mut self, coils: contactor::Coils) -> bool {
+        black_box(coils);
+        black_box(true)
+    }
+
+    fn bleed(&mut self, cells: &[bool; CELLS]) {
+        black_box(cells);
+    }
 }
 
 /// The log's iterator has no name.
