@@ -6,6 +6,7 @@ pub mod estimators;
 pub mod fast;
 pub mod items;
 pub mod kalman;
+pub mod manage;
 pub mod pack;
 pub mod pids;
 pub mod stack;

@@ -37,7 +37,7 @@ use voltstep_bench::estimators::{self, Estimators};
 use voltstep_bench::pack::{self, Learnt, Rare};
 use voltstep_bench::pids::{Apart, Pids, say_hard_cases};
 use voltstep_bench::{
-    call, call_functions, call_uncounted, end, fast, hprintln, items, painted, pids, report,
+    call, call_functions, call_uncounted, end, fast, hprintln, items, manage, painted, pids, report,
 };
 
 /// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
@@ -275,6 +275,7 @@ fn run() -> Option<()> {
     worst::plant_axles_off(&mut plant_axles_off)?.say("plant_axles_off");
     worst::plant_dc_off(&mut plant_dc_off)?.say("plant_dc_off");
     worst::plant_dcs_off(&mut plant_dcs_off)?.say("plant_dcs_off");
+    manage::run()?;
     call_uncounted!(deep, worst::deep as extern "C" fn(&mut (), &(), &mut ()), &mut (), &());
 
     report!(

@@ -1,15 +1,16 @@
 //! A painted stack for one function, and the call on it.
 
 const PAINT: u32 = 0xa5a5_5a5a;
-const WORDS: usize = 512;
+/// Words of a usual one.
+pub const WORDS: usize = 512;
 
 /// A stack of its own.
 #[repr(C, align(8))]
-pub struct Stack([u32; WORDS]);
+pub struct Stack<const N: usize = WORDS>([u32; N]);
 
-impl Stack {
+impl<const N: usize> Stack<N> {
     /// Fresh paint.
-    pub const PAINTED: Self = Self([PAINT; WORDS]);
+    pub const PAINTED: Self = Self([PAINT; N]);
 
     /// One past its highest word, where an empty stack stands.
     pub fn top(&mut self) -> *mut u32 {
@@ -20,14 +21,14 @@ impl Stack {
     #[must_use]
     pub fn used(&self) -> usize {
         let untouched = self.0.iter().take_while(|word| **word == PAINT).count();
-        (WORDS - untouched) * size_of::<u32>()
+        (N - untouched) * size_of::<u32>()
     }
 }
 
 /// Declares painted stacks.
 #[macro_export]
 macro_rules! painted {
-    ($($name:ident),+ $(,)?) => { $(let mut $name = $crate::stack::Stack::PAINTED;)+ };
+    ($($name:ident),+ $(,)?) => { $(let mut $name = $crate::stack::Stack::<{ $crate::stack::WORDS }>::PAINTED;)+ };
 }
 
 /// Calls an item on its stack. What it says goes nowhere.

@@ -7,7 +7,7 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use panic_halt as _;
-use voltstep_bench::{estimators, fast, items, pack, pids};
+use voltstep_bench::{estimators, fast, items, manage, pack, pids};
 
 const ITEM: &str = match option_env!("VOLTSTEP_ITEM") {
     Some(item) => item,
@@ -44,6 +44,10 @@ fn main() -> ! {
         pack: bench_resistance bench_capacity bench_energy_step bench_energy_report bench_energy_walk
         bench_power_ahead bench_power_walk bench_power_cells bench_power_cells_walk
         bench_cell_resistances bench_series
+    );
+    keep!(
+        manage: bench_bms bench_bms_fast bench_bms_filter bench_bms_slow bench_bms_fast_96
+        bench_bms_filter_96 bench_bms_slow_96
     );
     loop {
         cortex_m::asm::nop();
