@@ -16,12 +16,12 @@ const LONGEST_S: Real = 1e6;
 
 impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
     /// Reads, judges every row, moves the contactors: every `sheet.tick_s`. A share of the cells is
-    /// looked at in each call, all within a sweep. What the rows say.
+    /// looked at in each call, all within a sweep.
     pub fn fast<B: Board<CELLS, SENSORS>>(
         &self,
         state: &mut BmsState<CELLS, SENSORS>,
         board: &mut B,
-    ) -> Verdict {
+    ) {
         let elapsed_s = self.elapse(state, board.uptime_us());
         state.now.elapse(elapsed_s);
         board.measure(&mut state.now);
@@ -53,7 +53,6 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
         // A wish to end faults counts once.
         state.asked.clear = Clear::No;
         self.sum(state, current_a, elapsed_s);
-        state.verdict
     }
 
     /// Time since the last call \[s\]; one tick at the first.
@@ -91,7 +90,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
         if !self.precharge.ready(&state.precharge) {
             flags = flags.with(Id::Precharge(PrechargeFault::Hot));
         }
-        if !self.series.filter.status(&state.series.filter).consistent {
+        if state.contradicts {
             flags = flags.with(Id::Estimator);
         }
         flags

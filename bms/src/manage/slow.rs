@@ -63,6 +63,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             );
             state.sample += 1;
         }
+        state.contradicts = !self.series.filter.status(&state.series.filter).consistent;
         let second = state.sample >= params.per_second();
         if second {
             state.sample = state.sample.saturating_sub(params.per_second());

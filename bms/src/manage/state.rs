@@ -66,6 +66,8 @@ pub struct BmsState<const CELLS: usize, const SENSORS: usize> {
     pub(super) contactors: ContactorState,
     pub(super) feedback: [Feedback; 3],
     pub(super) pin_failed: bool,
+    /// The filter contradicts itself.
+    pub(super) contradicts: bool,
     pub(super) precharge: PrechargeState,
     /// Ticks in the phase of precharge, and whether it shows closed.
     pub(super) precharge_ticks: u16,
@@ -103,6 +105,12 @@ impl<const CELLS: usize, const SENSORS: usize> BmsState<CELLS, SENSORS> {
     #[must_use]
     pub const fn measurements(&self) -> &Measurements<CELLS, SENSORS> {
         &self.now
+    }
+
+    /// What the rows say.
+    #[must_use]
+    pub const fn verdict(&self) -> &Verdict {
+        &self.verdict
     }
 
     /// The log.
@@ -163,6 +171,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             contactors: self.contactors.resume(cause),
             feedback: [Feedback::Unknown; 3],
             pin_failed: false,
+            contradicts: false,
             precharge: self.precharge.warmed(cooled_j),
             precharge_ticks: 0,
             precharge_closed: false,

@@ -106,7 +106,10 @@ impl<const CELLS: usize, const SENSORS: usize> Measurements<CELLS, SENSORS> {
 
     /// Lets a time pass for every reading \[s\], as it was measured.
     pub fn elapse(&mut self, elapsed_s: Real) {
-        for reading in self.cell_v.iter_mut().chain(&mut self.temperature_c) {
+        for reading in &mut self.cell_v {
+            reading.elapse(elapsed_s);
+        }
+        for reading in &mut self.temperature_c {
             reading.elapse(elapsed_s);
         }
         self.current_a.elapse(elapsed_s);

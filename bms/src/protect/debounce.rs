@@ -67,6 +67,14 @@ impl DebounceState {
     }
 }
 
+impl DebounceState {
+    /// Whether nothing but a bad sample can change what it says: no sample counts against it, the last
+    /// that was seen was not bad.
+    pub(super) const fn rests(&self) -> bool {
+        self.quiet() && !self.last_bad
+    }
+}
+
 impl Debounce {
     /// One judgement; whether the row has tripped.
     pub const fn step(&self, state: &mut DebounceState, sample: Sample) -> bool {

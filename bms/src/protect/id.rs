@@ -32,6 +32,9 @@ pub enum Level {
     Msl,
 }
 
+/// All three.
+pub(super) const LEVELS: [Level; 3] = [Level::Mol, Level::Rsl, Level::Msl];
+
 /// A kind of sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -370,6 +373,14 @@ impl Faults {
     /// None.
     pub const NONE: Self = Self(0);
 
+    /// Every row.
+    pub(super) const ALL: Self = Self((1 << ROWS) - 1);
+
+    /// What is in both.
+    pub(super) const fn both(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
     /// The set with one more.
     #[must_use]
     pub const fn with(self, id: Id) -> Self {
@@ -414,6 +425,11 @@ impl Faults {
 
     /// Each of them.
     pub fn iter(self) -> impl Iterator<Item = Id> {
-        Id::ALL.into_iter().filter(move |id| self.has(*id))
+        let mut left = self.0;
+        core::iter::from_fn(move || {
+            let index = left.trailing_zeros();
+            left &= left.wrapping_sub(1);
+            Id::ALL.get(index as usize).copied()
+        })
     }
 }

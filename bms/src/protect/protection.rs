@@ -13,6 +13,7 @@ use super::signals::{Signals, Verdict};
 use super::table::Table;
 use crate::Measurements;
 
+mod bad;
 mod seen;
 
 /// A cell's resistance may be this many times less than the largest of its life.
@@ -56,6 +57,10 @@ const JUMP: Real = 0.05;
 #[derive(Clone, Copy, Debug)]
 pub struct Protection<'t, const CELLS: usize, const SENSORS: usize> {
     table: &'t Table,
+    /// The rows that are judged in every call.
+    each_tick: Faults,
+    /// Rows of cells and temperatures are judged after a sweep, none in every call.
+    by_sweep: bool,
     rate_gain: Real,
     cell_moves_a: Real,
     temperature_moves_k: Real,
@@ -68,6 +73,8 @@ pub struct Protection<'t, const CELLS: usize, const SENSORS: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProtectionState<const CELLS: usize, const SENSORS: usize> {
     rows: [DebounceState; ROWS],
+    /// Rows that are not at rest: each of their samples counts.
+    awake: Faults,
     tripped: Faults,
     latched: Faults,
     tick: u16,
@@ -86,6 +93,8 @@ pub struct ProtectionState<const CELLS: usize, const SENSORS: usize> {
     pub(super) stuck: Faults,
     pub(super) heat_a2s: [Real; 2],
     current_a: Real,
+    /// No current up to this is bad, discharging and charging \[A\].
+    least_a: [Real; 2],
     /// Lowest and highest cell, where they were when the current had last moved, following slowly
     /// \[V\].
     jump_from_v: [Real; 2],
@@ -96,6 +105,7 @@ impl<const CELLS: usize, const SENSORS: usize> ProtectionState<CELLS, SENSORS> {
     /// Nothing seen.
     pub const NEW: Self = Self {
         rows: [DebounceState::NEW; ROWS],
+        awake: Faults::NONE,
         tripped: Faults::NONE,
         latched: Faults::NONE,
         tick: 0,
@@ -112,6 +122,7 @@ impl<const CELLS: usize, const SENSORS: usize> ProtectionState<CELLS, SENSORS> {
         stuck: Faults::NONE,
         heat_a2s: [0.0; 2],
         current_a: Real::NAN,
+        least_a: [Real::NEG_INFINITY; 2],
         jump_from_v: [Real::NAN; 2],
         follow: 0,
     };
@@ -177,8 +188,17 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         let (cell, temperature) = (&sheet.sensing.cell_v, &sheet.sensing.temperature_c);
         let least_ohm = sheet.cell.resistance_ohm / RESISTANCE_RANGE;
         let window_v = sheet.cell.voltage.operating_max_v - sheet.cell.voltage.operating_min_v;
+        let (mut each_tick, mut index) = (Faults::NONE, 0);
+        while index < ROWS {
+            if matches!(table.rows()[index].pace, Pace::Tick) {
+                each_tick = each_tick.with(Id::ALL[index]);
+            }
+            index += 1;
+        }
         Ok(Self {
             table,
+            each_tick,
+            by_sweep: bad::judged_by_sweep(table.rows()),
             rate_gain: lag_gain(sheet.sweep_s() / RATE_S),
             cell_moves_a: STEPS * cell.resolution * sheet.layout.parallel as Real / least_ohm,
             temperature_moves_k: max(STEPS * temperature.resolution, 2.0 * temperature.error),
@@ -201,6 +221,17 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         now: &Measurements<CELLS, SENSORS>,
         signals: &Signals,
     ) -> Verdict {
+        self.step_with(state, now, signals, Faults::NONE)
+    }
+
+    /// The same, and some rows are judged whether or not they rest.
+    pub(super) fn step_with(
+        &self,
+        state: &mut ProtectionState<CELLS, SENSORS>,
+        now: &Measurements<CELLS, SENSORS>,
+        signals: &Signals,
+        these: Faults,
+    ) -> Verdict {
         let sheet = self.table.sheet();
         let sensing = &sheet.sensing;
         let tick_s = sheet.tick_s;
@@ -217,14 +248,35 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
             self.end_sweep(state, fast.current.value());
         }
 
+        let due = if ends { Faults::ALL } else { self.each_tick };
+        let bad = self.bad(state, &fast, signals, ends);
+        // A row at rest changes by a bad sample alone.
+        let rows = due.both(state.awake.union(bad).union(these));
         let (mut rose, mut fell) = (Faults::NONE, Faults::NONE);
-        for (row, id) in self.table.rows().iter().zip(Id::ALL) {
-            if row.pace == Pace::Sweep && !ends {
-                continue;
-            }
-            let sample = row.judge(self.seen(state, &fast, signals, id));
+        if !rows.is_empty() {
+            (rose, fell) = self.judge(state, &fast, signals, rows);
+        }
+        self.verdict(state, &fast, signals, rose, fell)
+    }
+
+    /// Lets rows judge what they see: which have tripped, which have healed.
+    #[cold]
+    #[inline(never)]
+    fn judge(
+        &self,
+        state: &mut ProtectionState<CELLS, SENSORS>,
+        fast: &Fast,
+        signals: &Signals,
+        rows: Faults,
+    ) -> (Faults, Faults) {
+        let (mut rose, mut fell) = (Faults::NONE, Faults::NONE);
+        for id in rows.iter() {
+            let row = self.table.row(id);
+            let sample = row.judge(self.seen(state, fast, signals, id));
             let Some(debounce) = state.rows.get_mut(usize::from(id.index())) else { continue };
             let (before, after) = (debounce.tripped(), row.debounce.step(debounce, sample));
+            state.awake =
+                if debounce.rests() { state.awake.without(id) } else { state.awake.with(id) };
             if after && !before {
                 rose = rose.with(id);
             } else if before && !after {
@@ -232,7 +284,7 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
             }
         }
         state.tripped = state.tripped.union(rose).minus(fell);
-        self.verdict(state, &fast, signals, rose, fell)
+        (rose, fell)
     }
 
     /// What follows from the rows.
@@ -363,6 +415,7 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         (state.cells, state.temperatures) = (Look::NEW, Look::NEW);
         state.fastest_k_per_s = 0.0;
         state.swept = true;
+        state.least_a = self.least_a(state);
     }
 
     /// All cells have jumped and the current is the same to the bit: it is stuck, until it moves.

@@ -1,6 +1,7 @@
 mod debounce;
 mod judge;
 mod latch;
+mod rest;
 mod scene;
 mod table;
 mod time;

@@ -5,9 +5,7 @@ use plant_core::presets::PANASONIC_NCR18650PF as CELL;
 use voltstep_bms::contactor::{Coils, Feedback, Phase};
 use voltstep_bms::limit::Request;
 use voltstep_bms::manage::{Asked, Bms, BmsParams, BmsState, Board, Description, Report};
-use voltstep_bms::protect::{
-    Actuators, EXAMPLE, Faults, Layout, PackSheet, Sensing, Sensor, Verdict,
-};
+use voltstep_bms::protect::{Actuators, EXAMPLE, Faults, Layout, PackSheet, Sensing, Sensor};
 use voltstep_bms::store::record::Record;
 use voltstep_bms::{Measurements, Reading};
 
@@ -115,8 +113,8 @@ macro_rules! items {
         /// Every millisecond.
         #[unsafe(no_mangle)]
         #[inline(never)]
-        pub extern "C" fn $fast((state, board): &mut System<$cells>, _: &(), out: &mut Verdict) {
-            *out = $bms.fast(state, board);
+        pub extern "C" fn $fast((state, board): &mut System<$cells>, _: &(), _: &mut ()) {
+            $bms.fast(state, board);
         }
 
         /// Each sample.

@@ -340,7 +340,7 @@ fn whole() {
         Description::new, Description::params, Description::table, Description::battery,
         Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
         Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
-        BmsState::measurements, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
+        BmsState::measurements, BmsState::verdict, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
     );
 }
 

@@ -84,7 +84,7 @@ impl<const CELLS: usize, const SENSORS: usize> Protection<'_, CELLS, SENSORS> {
     }
 
     /// The share of a current that the temperatures leave.
-    fn share(&self, flow: Flow, temperatures: &Look) -> Real {
+    pub(super) fn share(&self, flow: Flow, temperatures: &Look) -> Real {
         if temperatures.seen == 0 {
             return 1.0;
         }
