@@ -23,6 +23,7 @@
 //! | [`port`] | what components say to each other within a step |
 //! | [`thermal`] | lumped thermal nodes; derating, resistance over temperature, the losses of a drive |
 //! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature; cells in series |
+//! | [`link`] | contactors, precharge, link capacitor and fuse between battery and vehicle |
 //! | [`auxiliary`] | what else draws from the battery |
 //! | [`converter`] | averaged four-quadrant converter |
 //! | [`mechanics`] | [`gearbox`](mechanics::gearbox), [`wheel`](mechanics::wheel), [`body`](mechanics::body), [`slope`](mechanics::slope); [`rotational`](mechanics::rotational): a load on a shaft, its angle, a shaft with inertia |
@@ -66,6 +67,7 @@ pub mod battery;
 pub mod control;
 pub mod converter;
 pub mod error;
+pub mod link;
 pub mod machine;
 pub mod mechanics;
 pub mod model;

@@ -23,6 +23,7 @@ use plant_core::control::foc::{Foc, FocState};
 use plant_core::control::pid::{Pid, PidState};
 use plant_core::converter::{Converter, Gates};
 use plant_core::error;
+use plant_core::link::{Contactor, Link, LinkState};
 use plant_core::machine::dc::{CurrentLaw, DcMotor, DcMotorParams, Winding};
 use plant_core::machine::flux::Flux;
 use plant_core::machine::pmsm::{
@@ -130,6 +131,8 @@ fn main() -> ! {
 #[rustfmt::skip]
 fn components() {
     keep!(
+        Contactor::new, Contactor::step, <Contactor as Model>::step, LinkState::charged_to, Link::new,
+        Link::step, <Link as Model>::step,
         Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,
         BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::faded,
         Battery::next, CurrentLimits::within, Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,

@@ -92,10 +92,21 @@ impl Machine {
         Ok(Measured { costs, said })
     }
 
+    /// Bytes of flash that an item takes at opt-level s.
+    pub fn flash_at_s(&self, item: &str) -> Result<u64> {
+        let size = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", "s")];
+        let item = format!("{PREFIX}{item}");
+        Ok(self.flash_with(&item, &size)? - self.flash_with("none", &size)?)
+    }
+
     /// Bytes of flash of an image with one item in it.
     fn flash(&self, item: &str) -> Result<u64> {
+        self.flash_with(item, &[])
+    }
+
+    fn flash_with(&self, item: &str, env: &[(&str, &str)]) -> Result<u64> {
         let args = ["-p", PACKAGE, "--bin", "flash", "--target", self.target];
-        firmware::build(&args, &[("VOLTSTEP_ITEM", item)])?;
+        firmware::build(&args, &[&[("VOLTSTEP_ITEM", item)], env].concat())?;
         let elf = firmware::binary_for(self.target, "flash")?;
         let sizes = output(program("arm-none-eabi-size").arg("-A").arg(elf))?;
         section_bytes(&sizes, &[".text", ".rodata", ".data"])
