@@ -113,6 +113,18 @@ impl<const CELLS: usize, const SENSORS: usize> BmsState<CELLS, SENSORS> {
         &self.verdict
     }
 
+    /// Where the contactors are.
+    #[must_use]
+    pub const fn contactors(&self) -> &ContactorState {
+        &self.contactors
+    }
+
+    /// What may be drawn and fed.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
     /// The log.
     #[must_use]
     pub const fn log(&self) -> &Log {

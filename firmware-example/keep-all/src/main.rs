@@ -131,7 +131,7 @@ fn main() -> ! {
 #[rustfmt::skip]
 fn components() {
     keep!(
-        Contactor::new, Contactor::step, <Contactor as Model>::step, LinkState::charged_to, Link::new,
+        Contactor::new, Contactor::step, plant_core::link::ContactorState::is_closed, <Contactor as Model>::step, LinkState::charged_to, Link::new,
         Link::step, <Link as Model>::step,
         Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,
         BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::faded,
@@ -343,7 +343,7 @@ fn whole() {
         Description::new, Description::params, Description::table, Description::battery,
         Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
         Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
-        BmsState::measurements, BmsState::verdict, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
+        BmsState::measurements, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
     );
 }
 

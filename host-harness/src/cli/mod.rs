@@ -10,6 +10,7 @@ use clap::{Parser, Subcommand};
 
 use crate::read::error::on_one_line;
 
+mod bms;
 mod endurance;
 mod experiment;
 mod identify;
@@ -47,6 +48,10 @@ enum Command {
     /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest.
     /// --matrix without files simulates batteries with which something is wrong
     Soc(soc::Arguments),
+    /// Plant faults of sensors, contactors, cells and vehicle in a simulated pack that a BMS manages, and
+    /// judge by the true cells what became of them; exit code 1 where a cell is harmed first, a fault is
+    /// missed, or something trips without one
+    Bms(bms::Arguments),
     /// Find a model's parameters from measurements, each with its standard error
     Identify {
         #[command(subcommand)]
@@ -88,6 +93,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Validate(arguments) => validate::run(arguments),
         Command::Experiment(arguments) => experiment::run(arguments),
         Command::Soc(arguments) => soc::run(arguments),
+        Command::Bms(arguments) => bms::run(&arguments),
         Command::Identify { what: Identify::Battery(arguments) } => identify::run(arguments),
         Command::Steps => steps::run(),
         Command::Endurance(arguments) => endurance::run(arguments),

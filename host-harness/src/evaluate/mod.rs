@@ -2,6 +2,7 @@
 //! of a cell ([`cells`]) of a folder, the state of charge as it is estimated ([`estimators`]). Each
 //! gives a report of plain figures.
 
+pub mod campaign;
 pub mod cells;
 pub mod estimators;
 pub mod trips;

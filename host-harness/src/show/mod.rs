@@ -2,6 +2,7 @@
 //! replay, progress, files that appear whole or not at all. Nothing here computes a result; only
 //! `cli` uses it.
 
+pub(crate) mod campaign;
 pub(crate) mod cells;
 pub(crate) mod endurance;
 pub(crate) mod estimators;

@@ -80,6 +80,14 @@ pub struct ContactorState {
     since: u16,
 }
 
+impl ContactorState {
+    /// Where the armature is, whatever is wrong with the contacts.
+    #[must_use]
+    pub const fn is_closed(&self) -> bool {
+        self.closed
+    }
+}
+
 /// Input of one step of a [`Contactor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactorInput {

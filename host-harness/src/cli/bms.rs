@@ -1,0 +1,33 @@
+//! `voltstep bms`.
+
+use anyhow::{Context, ensure};
+use clap::Args;
+
+use crate::evaluate::campaign;
+use crate::show;
+
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Only every so many of the cases
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    each: usize,
+    /// Hours of driving without a fault, in which nothing may trip
+    #[arg(long, value_name = "H", default_value_t = 1.0)]
+    hours: f64,
+    /// Print JSON instead of the tables: every case with what became of it
+    #[arg(long)]
+    json: bool,
+}
+
+/// Plants faults in a pack that a BMS drives, and prints what became of them.
+///
+/// # Errors
+/// A figure out of its range.
+pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
+    let Arguments { each, hours, json } = *arguments;
+    ensure!((1..=1000).contains(&each), "--each {each}: must lie in 1..1000");
+    ensure!((0.0..=1000.0).contains(&hours), "--hours {hours}: must lie in 0..1000");
+    let report = campaign::run(each, hours).context("the pack of the campaign")?;
+    super::print(&if json { show::json(&report)? } else { show::campaign::render(&report) })?;
+    Ok(report.is_good())
+}

@@ -1,0 +1,327 @@
+//! A BMS attacked through the plant: a fault in a pack that drives, judged by physics.
+//!
+//! Each case is driven twice: with the BMS, and with the contactors held closed from the moment that it
+//! first opened, until a true cell leaves its absolute limits. The difference is how long before the
+//! harm it opened. What the BMS sees goes through sensors with noise; what is judged are the true cells.
+
+mod fault;
+mod rig;
+
+pub use fault::{Fault, Planted, When};
+pub use rig::Harm;
+use rig::Rig;
+
+use plant_core::presets::PANASONIC_NCR18650PF;
+use plant_core::{ParamError, must};
+use rayon::prelude::*;
+use serde::Serialize;
+use voltstep_bms::Health;
+use voltstep_bms::contactor::{Cause, Coils, Phase};
+use voltstep_bms::estimate::ekf::{EkfMemory, Polarisation};
+use voltstep_bms::limit::Request;
+use voltstep_bms::manage::{Asked, Bms, BmsParams, BmsState, Description};
+use voltstep_bms::protect::{
+    CellSheet, Currents, EXAMPLE, Faults, Layout, PackSheet, Trip, VoltageWindow,
+};
+use voltstep_bms::store::record::Record;
+
+const CELLS: usize = 14;
+const SENSORS: usize = 3;
+const PARALLEL: u8 = 20;
+const PRECHARGE_OHM: f32 = 33.0;
+/// A pack of 14 groups of 20 cells of the size 18650, as their data sheet states them.
+const SHEET: PackSheet = PackSheet {
+    cell: CellSheet {
+        voltage: VoltageWindow {
+            deep_v: 1.5,
+            absolute_min_v: 2.3,
+            operating_min_v: 2.7,
+            operating_max_v: 4.2,
+            absolute_max_v: 4.3,
+        },
+        discharge: Currents { continuous_a: 5.8, ten_seconds_a: 8.7 },
+        charge: Currents { continuous_a: 2.0, ten_seconds_a: 4.0 },
+        capacity_ah: 2.9,
+        resistance_ohm: 0.1,
+        heat_capacity_j_per_k: 45.0,
+        ..EXAMPLE.cell
+    },
+    layout: Layout { series: 14, parallel: PARALLEL as u16 },
+    ..EXAMPLE
+};
+static PACK: Description =
+    must!(Description::new(BmsParams::typical(SHEET, PANASONIC_NCR18650PF, PRECHARGE_OHM)));
+const BMS: Bms<CELLS, SENSORS> = must!(Bms::new(&PACK));
+
+/// States of charge and temperatures \[°C\] that each fault is planted at.
+const SOCS: [f32; 4] = [0.03, 0.2, 0.6, 0.97];
+const TEMPERATURES_C: [f32; 4] = [-15.0, 10.0, 25.0, 42.0];
+/// The contactors are asked to close at this time, faults come later \[ms\].
+const ASKED_MS: u32 = 300;
+const FAULT_MS: u32 = 3000;
+/// So long it is watched from then on \[ms\].
+const WATCHED_MS: u32 = 20_000;
+
+/// One case.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Case {
+    pub fault: Fault,
+    /// 0..3.
+    pub severity: usize,
+    pub much: f32,
+    pub soc: f32,
+    pub temperature_c: f32,
+    pub charging: bool,
+    pub from_ms: u32,
+    #[serde(skip)]
+    seed: u32,
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The contactors opened, or did not close, and no cell was harmed.
+    InTime,
+    /// It was written down or power was taken back, and no cell was harmed.
+    Noticed,
+    /// Nothing was noticed and nothing harmed, for a reason that was known before.
+    Harmless,
+    /// A cell left its limits in the end, or in the open pack: nothing that contactors can do.
+    BeyondContactors,
+    /// It should have been noticed.
+    Missed,
+    /// A cell was harmed first.
+    Late,
+}
+
+/// A case and its judgement.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judged {
+    pub case: Case,
+    pub verdict: Verdict,
+    /// From the fault until the contactors were told to open \[ms\].
+    pub opened_ms: Option<u32>,
+    /// So long before a cell would have left its limits, had they stayed closed \[ms\].
+    pub before_harm_ms: Option<u32>,
+    pub harm: Option<Harm>,
+    /// Why it need not be noticed.
+    pub reason: Option<&'static str>,
+    /// Rows that tripped.
+    pub rows: Vec<String>,
+}
+
+/// The whole campaign.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    pub cases: Vec<Judged>,
+    /// Hours of driving without a fault, and the trips in them.
+    pub hours: f64,
+    pub false_trips: Vec<String>,
+}
+
+impl Report {
+    /// How many ended so.
+    #[must_use]
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.cases.iter().filter(|judged| judged.verdict == verdict).count()
+    }
+
+    /// Whether nothing was late, missed or false.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        self.count(Verdict::Late) == 0
+            && self.count(Verdict::Missed) == 0
+            && self.false_trips.is_empty()
+    }
+
+    /// The margins before harm \[ms\], sorted.
+    #[must_use]
+    pub fn margins_ms(&self) -> Vec<u32> {
+        let mut margins: Vec<_> =
+            self.cases.iter().filter_map(|judged| judged.before_harm_ms).collect();
+        margins.sort_unstable();
+        margins
+    }
+}
+
+/// Every `each`th of all cases.
+#[must_use]
+pub fn cases(each: usize) -> Vec<Case> {
+    let mut cases = Vec::new();
+    let mut seed = 1_u32;
+    for fault in Fault::ALL {
+        for (severity, much) in fault.severities().into_iter().enumerate() {
+            for (index, soc) in SOCS.into_iter().enumerate() {
+                for (other, temperature_c) in TEMPERATURES_C.into_iter().enumerate() {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    let from_ms = match fault.when() {
+                        When::Before => 0,
+                        When::Closed => FAULT_MS + (seed >> 8) % 1000,
+                    };
+                    // The charger is on in every second of them, at either end of the curve.
+                    let charging = (index + other + severity) % 2 == 0 && fault != Fault::Overload
+                        || fault == Fault::Overcharge;
+                    cases.push(Case {
+                        fault,
+                        severity,
+                        much,
+                        soc,
+                        temperature_c,
+                        charging,
+                        from_ms,
+                        seed,
+                    });
+                }
+            }
+        }
+    }
+    cases.into_iter().step_by(each.max(1)).collect()
+}
+
+/// Drives every `each`th case, and so many hours without a fault.
+///
+/// # Errors
+/// A parameter set that is refused.
+pub fn run(each: usize, hours: f64) -> Result<Report, ParamError> {
+    let judged: Result<Vec<_>, _> = cases(each).par_iter().map(judge).collect();
+    let quarters = (hours * 4.0).ceil();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "few hours")]
+    let quarters = quarters as u32;
+    let quiet: Result<Vec<_>, _> = (0..quarters).into_par_iter().map(quarter).collect();
+    Ok(Report {
+        cases: judged?,
+        hours: f64::from(quarters) / 4.0,
+        false_trips: quiet?.into_iter().flatten().collect(),
+    })
+}
+
+/// A BMS on its pack.
+struct Drive {
+    rig: Rig,
+    state: BmsState<CELLS, SENSORS>,
+    charging: bool,
+}
+
+impl Drive {
+    fn new(
+        (soc, temperature_c): (f32, f32),
+        charging: bool,
+        seed: u32,
+        planted: Option<Planted>,
+    ) -> Result<Self, ParamError> {
+        let memory = EkfMemory { soc, soc_sd: 0.02, ..EkfMemory::UNKNOWN };
+        let record = Record {
+            written_at_s: Some(100),
+            polarisation: Some(Polarisation::NONE),
+            ..Record::of(memory, Health::as_new(PACK.battery()))
+        };
+        Ok(Self {
+            rig: Rig::new(soc, temperature_c, seed, planted)?,
+            state: BMS.start(Some(&record), Some(160), temperature_c)?,
+            charging,
+        })
+    }
+
+    fn step(&mut self) {
+        let limits = *self.state.limits();
+        self.rig.drive(&limits, self.charging);
+        self.rig.advance();
+        let on = if self.charging { Request::Charge } else { Request::Drive };
+        let vehicle = if self.rig.ms > ASKED_MS { on } else { Request::Off };
+        BMS.request(&mut self.state, Asked { vehicle, ..Asked::NOTHING });
+        BMS.tick(&mut self.state, &mut self.rig);
+    }
+
+    fn phase(&self) -> Phase {
+        self.state.contactors().phase()
+    }
+}
+
+/// Drives a case with the BMS, then without.
+fn judge(case: &Case) -> Result<Judged, ParamError> {
+    let planted = Planted { fault: case.fault, much: case.much, from_ms: case.from_ms };
+    let place = (case.soc, case.temperature_c);
+    let mut drive = Drive::new(place, case.charging, case.seed, Some(planted))?;
+    let mut rows = Faults::NONE;
+    let mut trips = Trip::None;
+    let mut already = Faults::NONE;
+    let (mut opened, mut fork, mut reached) = (None, None, false);
+    let before = case.fault.when() == When::Before;
+    for ms in 1..=case.from_ms + FAULT_MS + WATCHED_MS {
+        drive.step();
+        let verdict = drive.state.verdict();
+        if ms > case.from_ms {
+            rows = rows.union(verdict.tripped).union(verdict.latched);
+            trips = trips.max(verdict.trip);
+        } else {
+            already = verdict.tripped;
+        }
+        let phase = drive.phase();
+        reached |= phase == Phase::Closed;
+        let opens = reached && !matches!(phase, Phase::Closed | Phase::Shed);
+        if opens && opened.is_none() && ms > case.from_ms {
+            opened = Some(ms - case.from_ms);
+            fork = Some(drive.rig.clone());
+        }
+        if drive.rig.harm.is_some() || opened.is_some_and(|at| ms > case.from_ms + at + 3000) {
+            break;
+        }
+    }
+    let closed = Coils { minus: true, precharge: false, plus: true };
+    let before_harm_ms = fork.and_then(|mut rig| {
+        rig.held = Some(closed);
+        let from_ms = rig.ms;
+        while rig.harm.is_none() && rig.ms < from_ms + 2 * WATCHED_MS {
+            rig.advance();
+        }
+        rig.harm.map(|_| rig.ms - from_ms)
+    });
+    let rows = rows.minus(already);
+    let noticed = !rows.is_empty() || trips > Trip::None;
+    let cause = drive.state.contactors().cause();
+    let refused = before && (!reached || cause != Cause::None);
+    let reason = case.fault.need_not_be_noticed(case.severity);
+    let verdict = match drive.rig.harm {
+        Some(_) if opened.is_some() => Verdict::BeyondContactors,
+        Some(_) => Verdict::Late,
+        None if opened.is_some() || refused => Verdict::InTime,
+        None if noticed => Verdict::Noticed,
+        None if reason.is_some() || !reached => Verdict::Harmless,
+        None => Verdict::Missed,
+    };
+    Ok(Judged {
+        case: *case,
+        verdict,
+        opened_ms: opened,
+        before_harm_ms,
+        harm: drive.rig.harm,
+        reason: if verdict == Verdict::Harmless { reason } else { None },
+        rows: rows.iter().map(|id| format!("{id:?}")).collect(),
+    })
+}
+
+/// A quarter of an hour without a fault; what tripped all the same.
+fn quarter(number: u32) -> Result<Vec<String>, ParamError> {
+    let socs = [0.9, 0.7, 0.5, 0.35];
+    let celsius = [10.0, 25.0, 35.0];
+    let place = (socs[number as usize % 4], celsius[number as usize % 3]);
+    let mut drive = Drive::new(place, false, 7 + number, None)?;
+    let mut trips = Vec::new();
+    for _ in 0..900_000 {
+        drive.step();
+        let verdict = drive.state.verdict();
+        if verdict.trip > Trip::None && !verdict.rose.is_empty() {
+            let rows: Vec<_> = verdict.rose.iter().map(|id| format!("{id:?}")).collect();
+            trips.push(format!("{place:?} at {} ms: {}", drive.rig.ms, rows.join(", ")));
+        }
+        if let Some(harm) = drive.rig.harm {
+            trips.push(format!("{place:?} at {} ms: {harm:?}", drive.rig.ms));
+            break;
+        }
+    }
+    Ok(trips)
+}
+
+#[cfg(test)]
+mod tests;
