@@ -19,6 +19,9 @@ const FOLDER: &str = "firmware-example";
 /// The least firmware, and what it says.
 const MINIMAL: (&str, &str) = ("minimal", "src/bin/minimal.out");
 
+/// The whole BMS of a pack, on both sides.
+const OWN_PACK: &str = "own_pack";
+
 /// The vehicles of `sim`, with the features that choose them.
 const VEHICLES: &[(&str, &[&str])] = &[
     ("epowertrain-udds", &[]),
@@ -128,6 +131,25 @@ pub fn bits() -> Result<()> {
                 first_difference(vehicle, features, machine)?
             );
         }
+    }
+    own_pack()
+}
+
+/// The whole BMS of the example's pack says the same here and there.
+fn own_pack() -> Result<()> {
+    let example =
+        ["run", "-q", "--release", "--locked", "-p", "voltstep-bms", "--example", OWN_PACK];
+    let here = output(cargo().args(example))?;
+    println!("{OWN_PACK} here: {}", here.trim());
+    for (opt_level, processor, machine) in MACHINES {
+        let level = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
+        build(&["--bin", OWN_PACK], &level)?;
+        let there = qemu::run(machine, &binary(OWN_PACK)?, &[""; 0])?;
+        ensure!(
+            there.trim() == here.trim(),
+            "{OWN_PACK} at opt-level {opt_level} on {processor} differs: {there}"
+        );
+        println!("{OWN_PACK} at opt-level {opt_level} on {processor}: the same");
     }
     Ok(())
 }

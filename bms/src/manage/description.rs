@@ -77,7 +77,8 @@ impl BmsParams {
     /// that `precharge_ohm` \[Ω\] charges in some 0.2 s.
     ///
     /// All is chosen: cells alike to 10 % in resistance and 2 % in capacity and charge, a current
-    /// sensor of 0.5 % gain and a third of its error as offset, voltages within 20 ms, a rest of half an
+    /// sensor of 0.5 % gain and a third of its error as offset, voltages within 20 ms, a link that is charged
+    /// at 97 % (what discharges it may take a third of the rest), a rest of half an
     /// hour, empty at 2 %, an eighth of the cells bled at once through 33 Ω.
     #[must_use]
     pub const fn typical(sheet: PackSheet, cell: MappedBatteryParams, precharge_ohm: Real) -> Self {
@@ -109,7 +110,7 @@ impl BmsParams {
                 tau_factor: 1.5,
                 noise_v: 4.0 * (sensing.pack_v.noise_sd + sensing.link_v.noise_sd),
                 noise_a: sensing.current_a.error,
-                done_v: 0.015 * pack_v,
+                done_v: 0.03 * pack_v,
                 count: 5,
                 lag_s: 0.01,
                 budget_j: 4.0 * short_j,

@@ -1,5 +1,6 @@
 //! The built command, as a user runs it.
 
+mod bms;
 mod experiments;
 mod identify;
 mod measured;

@@ -6,49 +6,93 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fault {
+    /// The wire to a cell is open: its reading floats near zero.
     CellWireOpen,
+    /// A cell's reading does not change any more.
     CellStuck,
+    /// A cell reads too high \[V\].
     CellReadsHigh,
+    /// A cell reads too low \[V\].
     CellReadsLow,
+    /// Two cells are read in place of each other.
     CellsSwapped,
+    /// The front end does not answer.
     CellsLost,
+    /// A cell reads 819.1 V: a sentinel.
     CellSentinel,
+    /// A temperature sensor is open.
     TemperatureOpen,
+    /// A temperature sensor is shorted.
     TemperatureShort,
+    /// A temperature does not change any more.
     TemperatureStuck,
+    /// A temperature reads too low \[K\].
     TemperatureReadsLow,
+    /// No temperature comes.
     TemperatureLost,
+    /// The current does not change any more.
     CurrentStuck,
+    /// The current reads too high \[A\].
     CurrentOffset,
+    /// The current reads too small, by a ratio.
     CurrentGain,
+    /// The current has the wrong sign.
     CurrentReversed,
+    /// The current sensor ends early \[A\].
     CurrentSaturated,
+    /// No current comes.
     CurrentLost,
+    /// The pack's voltage reads too high \[V\].
     PackVoltageOff,
+    /// The pack's voltage does not come.
     PackVoltageLost,
+    /// The link's voltage reads too high \[V\].
     LinkVoltageOff,
+    /// The link's voltage does not come.
     LinkVoltageLost,
+    /// The minus contactor does not close.
     MinusStuckOpen,
+    /// The precharge contactor does not close.
     PrechargeStuckOpen,
+    /// The plus contactor does not close.
     PlusStuckOpen,
+    /// The minus contactor is welded.
     MinusWelded,
+    /// The precharge contactor is welded.
     PrechargeWelded,
+    /// The plus contactor is welded.
     PlusWelded,
+    /// The minus contactor shows open.
     MinusShowsOpen,
+    /// The precharge contactor shows closed.
     PrechargeShowsClosed,
+    /// The plus contactor shows open.
     PlusShowsOpen,
+    /// A short across the link before it is charged \[Ω\].
     LinkShortBefore,
+    /// The precharge resistor has a multiple of its resistance.
     PrechargeResistorOpen,
+    /// The link has a multiple of its capacitance.
     LinkTooLarge,
+    /// A cell is heated from outside \[K/s\].
     CellHeated,
+    /// A cell has a short inside \[Ω\].
     CellShort,
+    /// The charger ignores its limit \[A\].
     Overcharge,
+    /// The vehicle ignores its limit \[A\].
     Overload,
+    /// A short across the closed link \[Ω\].
     LinkShort,
+    /// The vehicle reports a crash.
     Crash,
+    /// The loop through the connectors is open.
     Interlock,
+    /// Insulation to the chassis \[Ω/V\].
     Insulation,
+    /// The vehicle is silent.
     RequestLost,
+    /// The vehicle's messages are corrupt.
     RequestCorrupt,
 }
 
@@ -160,6 +204,12 @@ impl Fault {
         }
     }
 
+    /// Whether it shows only when the contactors open.
+    #[must_use]
+    pub const fn shows_when_opening(self) -> bool {
+        matches!(self, MinusWelded | PrechargeWelded | PlusWelded)
+    }
+
     /// Why it need not be noticed at a severity, 0..3, where nothing is harmed; fixed before the
     /// campaign. `None`: it must be.
     #[must_use]
@@ -177,8 +227,9 @@ impl Fault {
             (CurrentSaturated, _) => Some("it is not met below its limit"),
             (PackVoltageOff | LinkVoltageOff, 0) => Some("within the sensors' errors"),
             (PackVoltageOff | LinkVoltageOff, 1) => Some("less than the sum of the cells' errors"),
-            (CellHeated, 0) => Some("slower than a cell warms up by itself"),
-            (CellShort, 0 | 1) => Some("less than the current sensor's error"),
+            (CellHeated, 0 | 1) => Some("slower than three times its own warming"),
+            (CellShort, 0..=2) => Some("cells part by charge, in minutes"),
+            (LinkShort, 0) => Some("a load like any other"),
             (Overcharge | Overload, 0) => Some("within the limits"),
             _ => None,
         }
@@ -188,6 +239,7 @@ impl Fault {
 /// What is planted in a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planted {
+    /// What.
     pub fault: Fault,
     /// How much of it.
     pub much: f32,

@@ -65,13 +65,19 @@ const WATCHED_MS: u32 = 20_000;
 /// One case.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Case {
+    /// What is planted.
     pub fault: Fault,
     /// 0..3.
     pub severity: usize,
+    /// How much of it, in the unit that it has.
     pub much: f32,
+    /// State of charge at the start, 0..1.
     pub soc: f32,
+    /// Temperature of cells and surroundings \[°C\].
     pub temperature_c: f32,
+    /// A charger is on; otherwise it is driven.
     pub charging: bool,
+    /// When it is planted \[ms\].
     pub from_ms: u32,
     #[serde(skip)]
     seed: u32,
@@ -98,25 +104,32 @@ pub enum Verdict {
 /// A case and its judgement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
+    /// The case.
     pub case: Case,
+    /// What came of it.
     pub verdict: Verdict,
     /// From the fault until the contactors were told to open \[ms\].
     pub opened_ms: Option<u32>,
     /// So long before a cell would have left its limits, had they stayed closed \[ms\].
     pub before_harm_ms: Option<u32>,
+    /// What a cell has left behind, with the BMS.
     pub harm: Option<Harm>,
     /// Why it need not be noticed.
     pub reason: Option<&'static str>,
-    /// Rows that tripped.
+    /// Rows that had tripped before the fault.
+    pub before: Vec<String>,
+    /// Rows that tripped after it.
     pub rows: Vec<String>,
 }
 
 /// The whole campaign.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// Every case.
     pub cases: Vec<Judged>,
-    /// Hours of driving without a fault, and the trips in them.
+    /// Hours of driving without a fault.
     pub hours: f64,
+    /// What tripped in them.
     pub false_trips: Vec<String>,
 }
 
@@ -201,6 +214,8 @@ struct Drive {
     rig: Rig,
     state: BmsState<CELLS, SENSORS>,
     charging: bool,
+    /// The request ends \[ms\].
+    until_ms: u32,
 }
 
 impl Drive {
@@ -220,6 +235,7 @@ impl Drive {
             rig: Rig::new(soc, temperature_c, seed, planted)?,
             state: BMS.start(Some(&record), Some(160), temperature_c)?,
             charging,
+            until_ms: u32::MAX,
         })
     }
 
@@ -228,7 +244,8 @@ impl Drive {
         self.rig.drive(&limits, self.charging);
         self.rig.advance();
         let on = if self.charging { Request::Charge } else { Request::Drive };
-        let vehicle = if self.rig.ms > ASKED_MS { on } else { Request::Off };
+        let asked = self.rig.ms > ASKED_MS && self.rig.ms < self.until_ms;
+        let vehicle = if asked { on } else { Request::Off };
         BMS.request(&mut self.state, Asked { vehicle, ..Asked::NOTHING });
         BMS.tick(&mut self.state, &mut self.rig);
     }
@@ -243,6 +260,9 @@ fn judge(case: &Case) -> Result<Judged, ParamError> {
     let planted = Planted { fault: case.fault, much: case.much, from_ms: case.from_ms };
     let place = (case.soc, case.temperature_c);
     let mut drive = Drive::new(place, case.charging, case.seed, Some(planted))?;
+    if case.fault.shows_when_opening() {
+        drive.until_ms = case.from_ms + FAULT_MS;
+    }
     let mut rows = Faults::NONE;
     let mut trips = Trip::None;
     let mut already = Faults::NONE;
@@ -297,8 +317,13 @@ fn judge(case: &Case) -> Result<Judged, ParamError> {
         before_harm_ms,
         harm: drive.rig.harm,
         reason: if verdict == Verdict::Harmless { reason } else { None },
-        rows: rows.iter().map(|id| format!("{id:?}")).collect(),
+        before: names(already),
+        rows: names(rows),
     })
+}
+
+fn names(rows: Faults) -> Vec<String> {
+    rows.iter().map(|id| format!("{id:?}")).collect()
 }
 
 /// A quarter of an hour without a fault; what tripped all the same.
@@ -312,8 +337,8 @@ fn quarter(number: u32) -> Result<Vec<String>, ParamError> {
         drive.step();
         let verdict = drive.state.verdict();
         if verdict.trip > Trip::None && !verdict.rose.is_empty() {
-            let rows: Vec<_> = verdict.rose.iter().map(|id| format!("{id:?}")).collect();
-            trips.push(format!("{place:?} at {} ms: {}", drive.rig.ms, rows.join(", ")));
+            let rows = names(verdict.rose).join(", ");
+            trips.push(format!("{place:?} at {} ms: {rows}", drive.rig.ms));
         }
         if let Some(harm) = drive.rig.harm {
             trips.push(format!("{place:?} at {} ms: {harm:?}", drive.rig.ms));

@@ -33,6 +33,9 @@ pub enum Harm {
     ChargedCold,
 }
 
+/// A cell is harmed by what lasts \[ms\]: two fault-tolerant times of a voltage. Chosen: contactors cannot
+/// open before a short of the link has pulled the voltage down, and a fuse takes as long.
+const HARM_MS: u32 = 340;
 /// Noise of a current that nobody would call a charge \[A of a cell\].
 const NO_CHARGE_A: f32 = 0.05;
 
@@ -56,6 +59,8 @@ pub struct Rig {
     pub demand_a: f32,
     pub battery_a: f32,
     pub harm: Option<Harm>,
+    /// How long a cell has been beyond its limits \[ms\].
+    beyond_ms: u32,
     cell_v: [f32; CELLS],
     pack_v: f32,
     stuck: Option<(f32, f32, f32)>,
@@ -108,6 +113,7 @@ impl Rig {
             demand_a: 0.0,
             battery_a: 0.0,
             harm: None,
+            beyond_ms: 0,
             cell_v: [3.7; CELLS],
             pack_v: 3.7 * 14.0,
             stuck: None,
@@ -195,7 +201,10 @@ impl Rig {
         } else {
             None
         };
-        self.harm = self.harm.or(harm);
+        self.beyond_ms = if harm.is_some() { self.beyond_ms + 1 } else { 0 };
+        if self.beyond_ms >= HARM_MS {
+            self.harm = self.harm.or(harm);
+        }
     }
 }
 
