@@ -14,7 +14,7 @@
 //!
 //! All that the hardware does is in a [`Board`]. What vehicle and charger ask for comes by
 //! [`Bms::request`]; what is known by [`Bms::report`]; what should survive a power cut by
-//! [`Bms::record`], only when worth a write. Time is measured, not assumed: what was missed is bridged
+//! [`Bms::record`], only when worth a write. A [`Bus`] sends it over CAN and hears who asks. Time is measured, not assumed: what was missed is bridged
 //! or, after a sleep, aged.
 //!
 //! The estimators work in the units of one cell; the report is in those of the pack.
@@ -22,6 +22,7 @@
 //! It is ours. Tests: `tests` below; against a plant with faults, `voltstep bms`.
 
 mod board;
+mod bus;
 mod derive;
 mod description;
 mod fast;
@@ -32,6 +33,7 @@ mod slow;
 mod state;
 
 pub use board::Board;
+pub use bus::Bus;
 pub use description::{Alike, Balancing, BmsParams, Description};
 pub use report::{Report, SocSource};
 pub use state::{Asked, BmsState};

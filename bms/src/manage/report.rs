@@ -70,15 +70,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
     /// What is known now.
     #[must_use]
     pub fn report(&self, state: &BmsState<CELLS, SENSORS>) -> Report {
-        let filter = self.series.filter.estimate(&state.series.filter);
-        let status = self.series.filter.status(&state.series.filter);
-        let counter = &self.series.counter;
-        let (counted, counted_sd) =
-            (counter.soc(&state.series.counter), counter.soc_sd(&state.series.counter));
-        let by_filter = (filter.soc, filter.soc_sd, SocSource::Filter);
-        let by_counter = (counted, counted_sd, SocSource::Counter);
-        let (soc, soc_sd, soc_from) =
-            if counted_sd < filter.soc_sd || !status.consistent { by_counter } else { by_filter };
+        let (soc, soc_sd, soc_from) = self.charge(state);
         let sheet = &self.of.params().sheet;
         let (sensing, parallel) = (&sheet.sensing, Real::from(sheet.layout.parallel));
         let oldest_s = |sensor: &crate::protect::Sensor| sensor.oldest_s(sheet.tick_s);
@@ -87,7 +79,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             soc,
             soc_sd,
             soc_from,
-            status,
+            status: self.series.filter.status(&state.series.filter),
             cells: state.series.cells.spread(),
             capacity_ah: state.series.health.capacity_ah * parallel,
             health: state.series.health,
@@ -103,6 +95,18 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             cause: state.contactors.cause(),
             verdict: state.verdict,
             throughput_ah: state.throughput_ah.get(),
+        }
+    }
+
+    /// State of charge, its standard deviation, and where it comes from.
+    pub(super) fn charge(&self, state: &BmsState<CELLS, SENSORS>) -> (Real, Real, SocSource) {
+        let filter = self.series.filter.estimate(&state.series.filter);
+        let (counter, counted) = (&self.series.counter, &state.series.counter);
+        let counted_sd = counter.soc_sd(counted);
+        if counted_sd < filter.soc_sd || state.contradicts {
+            (counter.soc(counted), counted_sd, SocSource::Counter)
+        } else {
+            (filter.soc, filter.soc_sd, SocSource::Filter)
         }
     }
 

@@ -6,6 +6,7 @@ use plant_core::battery::{MappedBattery, MappedBatteryInput, MappedBatteryState}
 use plant_core::presets::PANASONIC_NCR18650PF as CELL;
 
 use super::*;
+use crate::comm::can::{CellGroup, Command, LogReader, LogRequest, Message, Status};
 use crate::contactor::{Cause, Coils, Feedback, Phase};
 use crate::estimate::ekf::EkfMemory;
 use crate::limit::{Limits, Request};
@@ -339,4 +340,65 @@ fn a_description_that_cannot_be_is_refused() {
     let error = refused(BmsParams { current_gain_sd: 2.0, ..usual });
     assert_eq!(error.field(), "bms.current_gain_sd");
     assert_eq!(Bms::<13, 4>::new(&PACK).unwrap_err(), ParamError::LengthsDiffer("layout.series"),);
+}
+
+/// A pack on a bus for a while: what it sent.
+fn on_a_bus(
+    seconds: u32,
+    says: impl Fn(u32) -> Option<Message>,
+) -> (State, std::vec::Vec<Message>) {
+    let (mut rig, mut bus) = (Rig::new(0.5), Bus::NEW);
+    let mut state =
+        BMS.start(Some(&Record { soc: 0.5, soc_sd: 0.02, ..record() }), None, 25.0).unwrap();
+    let mut sent = std::vec::Vec::new();
+    for ms in 0..1000 * seconds {
+        if let Some(message) = says(ms) {
+            bus.hear(&message);
+        }
+        BMS.request(&mut state, bus.asked(0.001));
+        BMS.tick(&mut state, &mut rig);
+        let before = sent.len();
+        bus.send(&BMS, &state, |message| sent.push(*message));
+        assert!(sent.len() - before <= 2, "{ms}: too many at once");
+    }
+    (state, sent)
+}
+
+fn drives(ms: u32) -> Option<Message> {
+    let request = if ms < 500 { Request::Off } else { Request::Drive };
+    let alive = u8::try_from(ms / 20 % 15).unwrap();
+    let command = Command { request, clear: Clear::No };
+    ms.is_multiple_of(20).then(|| command.encode_vehicle(alive))
+}
+
+#[test]
+fn a_bus_hears_and_says_everything_in_time() {
+    let (state, sent) = on_a_bus(3, drives);
+    assert_eq!(state.contactors().phase(), Phase::Closed);
+    let count = |id| sent.iter().filter(|message| message.id() == id).count();
+    // 14 cells are four groups; each set of pages and of groups in its second.
+    assert_eq!([0x510, 0x511, 0x512, 0x513].map(count), [300, 300, 30, 30]);
+    assert_eq!([0x514, 0x515, 0x516, 0x517].map(count), [30, 12, 120, 0]);
+    let last = sent.iter().rev().find_map(Status::decode).unwrap();
+    assert_eq!((last.phase, last.mode), (Phase::Closed, crate::limit::Mode::Drive));
+    assert!((last.soc - BMS.report(&state).soc).abs() < 1e-3);
+    let groups: std::vec::Vec<u8> =
+        sent.iter().filter_map(CellGroup::decode).map(|group| group.group).collect();
+    assert_eq!(groups, [0, 1, 2, 3].repeat(3));
+}
+
+#[test]
+fn a_vehicle_that_falls_silent_ends_the_drive_and_can_be_read_out() {
+    let says = |ms: u32| match ms {
+        0..2000 => drives(ms),
+        9000 => Some(LogRequest::Newest.encode()),
+        _ => None,
+    };
+    let (state, sent) = on_a_bus(10, says);
+    assert_eq!(state.contactors().coils(), Coils::default());
+    let mut reader = LogReader::NEW;
+    let entry = sent.iter().find_map(|message| reader.read(message)).unwrap().unwrap();
+    assert_eq!(Some(&entry), state.log().entries().last());
+    let lost = |e: &crate::log::Entry| e.id == Id::RequestLost;
+    assert!(state.log().entries().any(lost), "{:?}", state.log());
 }

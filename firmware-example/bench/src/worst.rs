@@ -6,13 +6,14 @@
 
 use plant_core::Accum;
 use plant_core::battery::{BatteryState, MappedBatteryState, Pack};
+use plant_core::control::driver::Steering;
 use plant_core::machine::pmsm::DqCurrents;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{Drives, Limited};
 use plant_core::signal::sources::TimeTableOutput;
 use voltstep_trace::{
     BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_LEDGER, BMW_I3_LEDGER, BMW_I3_PMSM, EPOWERTRAIN,
-    EPOWERTRAIN_LEDGER, Rig, RigState, Steering, TWO_AXLED,
+    EPOWERTRAIN_LEDGER, Rig, RigState, TWO_AXLED,
 };
 
 use voltstep_bench::items::{

@@ -69,7 +69,7 @@ use voltstep_bms::estimate::series::Series;
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
 use voltstep_bms::limit::{self, Limiter};
 use voltstep_bms::log::{self, Entry, Log};
-use voltstep_bms::manage::{self, Asked, BmsParams, Board, Description};
+use voltstep_bms::manage::{self, Asked, BmsParams, Board, Bus, Description};
 use voltstep_bms::measure::{self, Reading, Spread};
 use voltstep_bms::protect::{
     self, Debounce, DebounceState, Faults, Id, PackSheet, Reaction, Row, Seen, Table, Verdict,
@@ -344,7 +344,15 @@ fn whole() {
         Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
         Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
         BmsState::measurements, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
+        Bus::hear, Bus::asked, send_all as fn(&mut Bus, &Bms, &BmsState),
     );
+}
+
+/// What is sent goes nowhere.
+fn send_all(bus: &mut Bus, bms: &Bms, state: &BmsState) {
+    Bus::send(bus, bms, state, |message| {
+        black_box(message);
+    });
 }
 
 /// A board of which nothing is known.

@@ -3,11 +3,12 @@
 //! `fields NAMES`, then `block N HASH HASH` (plant, estimators) after each block; with a BLOCK also every frame in it.
 
 use plant_core::battery::Pack;
+use plant_core::control::driver::Steering;
 use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::NoLedger;
 use voltstep_trace::{
     BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM, EPOWERTRAIN,
-    EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run, Steering, TWO_AXLED, Words,
+    EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run, TWO_AXLED, Words,
 };
 
 const VEHICLES: &str =

@@ -14,7 +14,7 @@ pub use frame::{Frame, Words};
 pub use hash::Fnv1a;
 pub use monitor::{Monitor, MonitorState};
 pub use overruns::Overruns;
-pub use rig::{Rig, RigState, Steering};
+pub use rig::{Rig, RigState};
 pub use run::Run;
 
 use plant_core::Dt;

@@ -3,8 +3,9 @@
 use plant_core::battery::{
     Battery, BatteryParams, BatteryState, MappedBattery, MappedBatteryParams, Pack,
 };
-use plant_core::control::driver::{Driver, DriverInput, DriverParams, DriverState, TorqueDriver};
-use plant_core::converter::Gates;
+use plant_core::control::driver::{
+    Driver, DriverInput, DriverParams, DriverState, Steering, TorqueDriver,
+};
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{
@@ -33,40 +34,6 @@ pub struct RigState<L, S = BatteryState, E = Accum> {
     pub driver: DriverState,
     /// What the driver sees: the end of the last step.
     pub seen: Feedback,
-}
-
-/// Who drives drives.
-pub trait Steering<D: Drives> {
-    /// A command, the force of the friction brake \[N\], and whether the driver refused its input.
-    fn steer(
-        &self,
-        state: &mut DriverState,
-        input: DriverInput,
-        drives: &D,
-    ) -> (D::Command, f32, bool);
-}
-
-/// By a duty.
-impl Steering<Drive> for Driver {
-    #[inline(always)]
-    fn steer(&self, state: &mut DriverState, input: DriverInput, _: &Drive) -> (Gates, f32, bool) {
-        let command = self.step(state, input);
-        (Gates::On(command.duty), command.brake_n, command.rejected)
-    }
-}
-
-/// By a torque, of which each drive takes its share.
-impl<D: Drives> Steering<D> for TorqueDriver {
-    #[inline(always)]
-    fn steer(
-        &self,
-        state: &mut DriverState,
-        input: DriverInput,
-        drives: &D,
-    ) -> (D::Command, f32, bool) {
-        let demand = self.step(state, input);
-        (drives.command(demand.torque_nm), demand.brake_n, demand.rejected)
-    }
 }
 
 impl Rig<NoLedger> {
@@ -185,11 +152,10 @@ impl<L: Book, B: Pack, D: Drives, C: Steering<D>> Rig<L, B, D, C> {
             reference_m_s2: reference.rate_per_s,
             vehicle: state.seen,
         };
-        let (command, brake_n, refused) =
-            self.driver.steer(&mut state.driver, input, self.plant.drives());
-        let mut input = PowertrainInput::with(command);
-        input.road.brake_n = brake_n;
-        (input, refused)
+        let steered = self.driver.steer(&mut state.driver, input, self.plant.drives());
+        let mut input = PowertrainInput::with(steered.command);
+        input.road.brake_n = steered.brake_n;
+        (input, steered.rejected)
     }
 
     /// One step of driver and plant, and what the plant says of it.

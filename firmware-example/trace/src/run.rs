@@ -3,13 +3,14 @@
 use core::fmt::{Display, from_fn};
 
 use plant_core::battery::{BatteryState, Pack};
+use plant_core::control::driver::Steering;
 use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::Book;
 use plant_core::signal::sources::TimeTableState;
 use plant_core::{Accum, ParamError};
 
 use crate::monitor::{Monitor, MonitorState};
-use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK, Steering, Words};
+use crate::{BLOCKS, Fnv1a, Frame, REFERENCE, Rig, RigState, STEPS_PER_BLOCK, Words};
 
 /// A vehicle on its way along the cycle, and the hash of all that was.
 #[derive(Clone, Copy, Debug)]

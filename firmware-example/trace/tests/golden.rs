@@ -2,13 +2,14 @@
 
 use plant_core::Accum;
 use plant_core::battery::{BatteryState, Pack};
+use plant_core::control::driver::Steering;
 use plant_core::machine::pmsm::DqCurrents;
 use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::{Book, NoLedger};
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
     BMW_I3_PMSM_LEDGER, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame, Monitor, Rig, Run,
-    Steering, TWO_AXLED, TWO_AXLED_LEDGER, Words,
+    TWO_AXLED, TWO_AXLED_LEDGER, Words,
 };
 
 const GOLDEN: &str = include_str!("../../golden.toml");

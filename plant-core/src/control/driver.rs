@@ -15,6 +15,10 @@
 //!
 //! Tests: `tests` below; properties `finite_plant`, `refusal`; cases "UDDS", "trip".
 
+mod steering;
+
+pub use steering::{Steered, Steering};
+
 use crate::control::pid::{Pid, PidInput, PidParams, PidState};
 use crate::error::{ParamError, check, limit, not_negative, positive};
 use crate::model::{Dt, Model};

@@ -52,7 +52,7 @@ const ROWS: &[(&str, &str, Most)] = &[
     ("bms_slow_96", "the same: a slice", SLICE),
     ("kalman", "`minikalman` {minikalman}: the same two states and model, each sample", Whole),
 ];
-/// The whole BMS of 18 cells at opt-level s, and the most that it may take [bytes]: flash, RAM, stack.
+/// The whole BMS of 18 cells at opt-level s, and the most that it may take in bytes: flash, RAM, stack.
 const WHOLE: (&str, [u64; 3]) = ("bms", [64 * 1024, 8 * 1024, 4 * 1024]);
 /// Our filter takes less than this share of what the published one takes.
 const OF_PUBLISHED: f64 = 0.5;

@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use anyhow::Context;
 use plant_core::battery::{Battery, MappedBattery, Pack};
-use plant_core::control::driver::{Driver, DriverInput, DriverParams, DriverState, TorqueDriver};
-use plant_core::converter::Gates;
+use plant_core::control::driver::{
+    Driver, DriverInput, DriverParams, DriverState, Steered, Steering, TorqueDriver,
+};
 use plant_core::mechanics::body::Road;
 use plant_core::powertrain::ledger::{Book, NoLedger};
 use plant_core::powertrain::{
@@ -49,33 +50,6 @@ struct Drive<'a> {
     dt: Dt,
     dt_s: f64,
     progress: &'a dyn Progress,
-}
-
-/// Who drives, and how its demand becomes a command of the drives.
-trait Steering<D: Drives> {
-    /// A command and the force of the friction brake \[N\].
-    fn steer(&self, state: &mut DriverState, input: DriverInput, drives: &D) -> (D::Command, f32);
-}
-
-impl Steering<plant_core::powertrain::Drive> for Driver {
-    #[inline(always)]
-    fn steer(
-        &self,
-        state: &mut DriverState,
-        input: DriverInput,
-        _drives: &plant_core::powertrain::Drive,
-    ) -> (Gates, f32) {
-        let command = self.step(state, input);
-        (Gates::On(command.duty), command.brake_n)
-    }
-}
-
-impl<D: Drives> Steering<D> for TorqueDriver {
-    #[inline(always)]
-    fn steer(&self, state: &mut DriverState, input: DriverInput, drives: &D) -> (D::Command, f32) {
-        let demand = self.step(state, input);
-        (drives.command(demand.torque_nm), demand.brake_n)
-    }
 }
 
 impl Drive<'_> {
@@ -265,7 +239,7 @@ impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
             totals.speed_error_max_m_s = num::max(totals.speed_error_max_m_s, error.abs());
             let seen =
                 DriverInput { reference_m_s, reference_m_s2: stretch.rate_m_s2, vehicle: feedback };
-            let (command, brake_n) = driver.steer(&mut driving, seen, plant.drives());
+            let Steered { command, brake_n, .. } = driver.steer(&mut driving, seen, plant.drives());
             road.brake_n = brake_n;
             let out = plant.step(
                 &mut state,
