@@ -323,7 +323,7 @@ fn bus() {
         TemperatureExtremes::of, TemperatureExtremes::encode, TemperatureExtremes::decode,
         CellGroup::of, CellGroup::encode, CellGroup::decode,
         FaultPage::of, FaultPage::latched, FaultPage::encode, FaultPage::decode,
-        Message::frame::<frame::CanFrame>, Message::of::<frame::CanFrame>, Message::id, Message::data,
+        Message::new, Message::frame::<frame::CanFrame>, Message::of::<frame::CanFrame>, Message::id, Message::data,
         can::alive_after, Alarm::of, Alarms::with, Alarms::has,
         InverterView::alarms_of, InverterView::encode, InverterView::hear,
         LogRequest::encode, LogRequest::decode, can::log_parts, LogReader::read,

@@ -14,6 +14,16 @@ pub struct Arguments {
     /// Hours of driving without a fault, in which nothing may trip
     #[arg(long, value_name = "H", default_value_t = 1.0)]
     hours: f64,
+    /// Be a pack in real time instead: its CAN messages as lines of `candump` on standard output, those of
+    /// a vehicle or charger on standard input
+    #[arg(long, conflicts_with_all = ["each", "hours", "json"])]
+    serve: bool,
+    /// How long to serve [default: until nobody reads]
+    #[arg(long, value_name = "S", requires = "serve", default_value_t = f64::INFINITY, hide_default_value = true)]
+    seconds: f64,
+    /// State of charge at the start of serving, 0..1
+    #[arg(long, value_name = "RATIO", requires = "serve", default_value_t = 0.6)]
+    soc: f64,
     /// Print JSON instead of the tables: every case with what became of it
     #[arg(long)]
     json: bool,
@@ -24,7 +34,10 @@ pub struct Arguments {
 /// # Errors
 /// A figure out of its range.
 pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
-    let Arguments { each, hours, json } = *arguments;
+    let Arguments { each, hours, serve, seconds, soc, json } = *arguments;
+    if serve {
+        return super::serve::serve(seconds, soc);
+    }
     ensure!((1..=1000).contains(&each), "--each {each}: must lie in 1..1000");
     ensure!((0.0..=1000.0).contains(&hours), "--hours {hours}: must lie in 0..1000");
     let report = campaign::run(each, hours).context("the pack of the campaign")?;

@@ -16,6 +16,7 @@ mod experiment;
 mod identify;
 mod list;
 mod replay;
+mod serve;
 mod soc;
 mod steps;
 mod validate;

@@ -1,6 +1,13 @@
 //! `voltstep bms`.
 
+use std::io::Write;
+use std::process::Stdio;
+
 use serde_json::Value;
+use voltstep_bms::comm::can::{Command, Message, Status, alive_after};
+use voltstep_bms::contactor::Phase;
+use voltstep_bms::limit::Request;
+use voltstep_bms::protect::Clear;
 
 use super::Sandbox;
 
@@ -33,4 +40,38 @@ fn bad_figures_are_refused() {
         assert_eq!(finished.code, Some(2), "{figure} {value}");
         assert!(finished.stderr.contains(part), "{}", finished.stderr);
     }
+}
+
+fn status(line: &str) -> Option<Status> {
+    let (id, data) = line.split(' ').next_back()?.split_once('#')?;
+    let bytes: Vec<u8> =
+        (0..8).map(|at| u8::from_str_radix(&data[2 * at..2 * at + 2], 16).unwrap()).collect();
+    Status::decode(&Message::new(u16::from_str_radix(id, 16).unwrap(), &bytes)?)
+}
+
+#[test]
+fn a_vehicle_can_talk_to_a_pack_that_is_not_there() {
+    let sandbox = Sandbox::new();
+    let mut serve = sandbox.command(&["bms", "--serve", "--seconds", "2"]);
+    let mut child = serve.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let mut alive = 0;
+    for turn in 0..100 {
+        let request = if turn < 20 { Request::Off } else { Request::Drive };
+        let message = Command { request, clear: Clear::No }.encode_vehicle(alive);
+        alive = alive_after(alive);
+        write!(stdin, "({}) vcan0 {:03X}#", 0.02 * f64::from(turn), message.id()).unwrap();
+        for byte in message.data() {
+            write!(stdin, "{byte:02X}").unwrap();
+        }
+        writeln!(stdin).unwrap();
+    }
+    drop(stdin);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let phases: Vec<Phase> = text.lines().filter_map(status).map(|status| status.phase).collect();
+    assert_eq!(phases.len(), 200, "a status every 10 ms");
+    assert!(phases.contains(&Phase::Standby), "{phases:?}");
+    assert!(phases.contains(&Phase::Closed), "{phases:?}");
 }

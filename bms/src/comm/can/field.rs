@@ -39,6 +39,15 @@ pub struct Message {
 }
 
 impl Message {
+    /// One with an identifier of 11 bits and up to eight bytes; `None` where it cannot be.
+    #[must_use]
+    pub fn new(id: u16, data: &[u8]) -> Option<Self> {
+        let id = StandardId::new(id)?.as_raw();
+        let mut bytes = [0; 8];
+        bytes.get_mut(..data.len())?.copy_from_slice(data);
+        Some(Self { id, length: data.len(), data: bytes })
+    }
+
     /// As the frame of a driver; `None` where the driver refuses it.
     #[must_use]
     pub fn frame<F: Frame>(&self) -> Option<F> {
@@ -52,9 +61,7 @@ impl Message {
         if frame.is_remote_frame() {
             return None;
         }
-        let mut data = [0; 8];
-        data.get_mut(..frame.data().len())?.copy_from_slice(frame.data());
-        Some(Self { id: id.as_raw(), length: frame.data().len(), data })
+        Self::new(id.as_raw(), frame.data())
     }
 
     /// The identifier, of 11 bits.

@@ -6,10 +6,12 @@
 
 mod fault;
 mod rig;
+mod virtual_pack;
 
 pub use fault::{Fault, Planted, When};
 pub use rig::Harm;
 use rig::Rig;
+pub use virtual_pack::VirtualPack;
 
 use plant_core::presets::PANASONIC_NCR18650PF;
 use plant_core::{ParamError, must};
