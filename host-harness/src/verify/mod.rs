@@ -19,6 +19,7 @@ mod drives;
 pub mod endurance;
 pub mod experiment;
 mod field_oriented;
+mod link;
 mod motor;
 mod parts;
 mod pmsm;
@@ -197,6 +198,7 @@ fn cases() -> Vec<Case> {
     cases.extend(sampled_vehicle::CASES);
     cases.extend(components::CASES);
     cases.extend(parts::CASES);
+    cases.extend(link::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases

@@ -8,7 +8,8 @@
 //! With `v` of the end of the step both in the current and at the capacitor, the charge that leaves the
 //! battery is to rounding what load, bleeder and capacitor take up.
 //!
-//! It is ours. Tests: `tests` below; with a BMS, `voltstep bms`.
+//! It is ours. Tests: `tests` below; cases "precharge of the link", "contactor"; with a BMS, `voltstep
+//! bms`.
 
 mod contactor;
 

@@ -173,3 +173,22 @@ pub const TABLE: Bound = Bound::new(
 );
 pub const EXACT: Bound =
     Bound::new("largest difference", None, AtMost(0.0), CLOSED, "no rounding here");
+pub const PRECHARGE_TRAJECTORY: Bound = Bound::new(
+    "link voltage, largest difference [V]",
+    None,
+    AtMost(0.12),
+    CLOSED,
+    "first order: half of h/τ = 2.6e-3, times 1/e of the rise of 234 V, is 0.112",
+);
+pub const PRECHARGE_TIME: Bound =
+    Bound::new("time until a volt is missing [s]", None, Absolute(5e-4), CLOSED, "first order");
+pub const PRECHARGE_CHARGE: Bound = Bound::new(
+    "charge of battery and capacitor, difference",
+    None,
+    AtMost(1e-6),
+    CONSERVATION,
+    "rounding in f32 over 4000 steps",
+);
+pub const CONTACTOR_CLOSES: Bound =
+    Bound::new("closes after [s]", None, Absolute(1e-9), CLOSED, "whole steps");
+pub const CONTACTOR_OPENS: Bound = Bound { quantity: "opens after [s]", ..CONTACTOR_CLOSES };
