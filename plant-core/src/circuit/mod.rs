@@ -318,7 +318,9 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
         let mut s = 0;
         while s < S {
             let mut drive = [0.0; E];
-            drive[self.drives[s]] = 1.0;
+            if self.drives[s] < E {
+                drive[self.drives[s]] = 1.0;
+            }
             let found = net.solve(&self.branches, &drive);
             let mut e = 0;
             while e < E {

@@ -36,6 +36,9 @@ pub(super) struct Solution<const E: usize> {
 }
 
 impl<const N: usize, const E: usize> Network<N, E> {
+    /// Branches of the tree.
+    const TREE: usize = if N > 0 { N - 1 } else { 0 };
+
     /// Finds the tree and factorises. A conductance is infinite for a source of voltage, zero for one
     /// of current.
     pub(super) const fn new(
@@ -56,7 +59,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
     /// How the voltage of an element counts that of a tree branch.
     #[inline]
     const fn counts(&self, branch: &Branch, t: usize) -> Real {
-        if branch.from < N && branch.to < N {
+        if branch.from < N && branch.to < N && t < N {
             (self.path[branch.from][t] - self.path[branch.to][t]) as Real
         } else {
             0.0
@@ -73,7 +76,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
         }
         let mut seen: u32 = 0;
         let mut grown = 0;
-        while grown + 1 < N {
+        while grown < Self::TREE {
             let (mut best, mut most_s, mut ends) = (E, 0.0, (0, 0));
             let mut e = 0;
             while e < E {
@@ -118,6 +121,9 @@ impl<const N: usize, const E: usize> Network<N, E> {
 
     /// Ties the part of `to` to that of `from` by tree branch `t`.
     const fn tie(&mut self, part: &mut [usize; N], from: usize, to: usize, t: usize) {
+        if from >= N || to >= N || t >= N {
+            return;
+        }
         let (kept, gone) = (part[from], part[to]);
         let mut moved = [0; N];
         let mut u = 0;
@@ -146,11 +152,11 @@ impl<const N: usize, const E: usize> Network<N, E> {
         while e < E {
             let g = self.conductance_s[e];
             let mut t = self.held;
-            while t + 1 < N && g < Real::INFINITY {
+            while t < Self::TREE && g < Real::INFINITY {
                 let c = self.counts(&branches[e], t);
                 if c != 0.0 {
                     let mut u = self.held;
-                    while u <= t {
+                    while u <= t && u < N {
                         self.factor[t][u] += g * c * self.counts(&branches[e], u);
                         u += 1;
                     }
@@ -163,12 +169,12 @@ impl<const N: usize, const E: usize> Network<N, E> {
 
     const fn factorise(&mut self) {
         let mut t = self.held;
-        while t + 1 < N {
+        while t < Self::TREE {
             // L·D of this row, which the earlier rows of L take from.
             let mut u = self.held;
-            while u < t {
+            while u < t && u < N {
                 let mut k = self.held;
-                while k < u {
+                while k < u && k < N {
                     self.factor[t][u] -= self.factor[t][k] * self.factor[u][k];
                     k += 1;
                 }
@@ -176,7 +182,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
             }
             let mut pivot = self.factor[t][t];
             let mut k = self.held;
-            while k < t {
+            while k < t && k < N {
                 let scaled = self.factor[t][k];
                 self.factor[t][k] = scaled * self.factor[k][k];
                 pivot -= scaled * self.factor[t][k];
@@ -196,7 +202,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
         while e < E {
             let mut voltage_v = 0.0;
             let mut t = 0;
-            while t + 1 < N {
+            while t < Self::TREE {
                 voltage_v += self.counts(&branches[e], t) * along[t];
                 t += 1;
             }
@@ -214,7 +220,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
     const fn along(&self, branches: &[Branch; E], drive: &[Real; E]) -> [Real; N] {
         let mut along = [0.0; N];
         let mut t = 0;
-        while t < self.held {
+        while t < self.held && t < N {
             along[t] = at(drive, self.tree[t]);
             t += 1;
         }
@@ -224,13 +230,13 @@ impl<const N: usize, const E: usize> Network<N, E> {
             if g < Real::INFINITY {
                 let mut by_sources_v = 0.0;
                 let mut u = 0;
-                while u < self.held {
+                while u < self.held && u < N {
                     by_sources_v += self.counts(&branches[e], u) * along[u];
                     u += 1;
                 }
                 let current_a = drive[e] + g * by_sources_v;
                 let mut t = self.held;
-                while t + 1 < N {
+                while t < Self::TREE {
                     along[t] -= self.counts(&branches[e], t) * current_a;
                     t += 1;
                 }
@@ -238,24 +244,24 @@ impl<const N: usize, const E: usize> Network<N, E> {
             e += 1;
         }
         let mut t = self.held;
-        while t + 1 < N {
+        while t < Self::TREE {
             let mut k = self.held;
-            while k < t {
+            while k < t && k < N {
                 along[t] -= self.factor[t][k] * along[k];
                 k += 1;
             }
             t += 1;
         }
         let mut t = self.held;
-        while t + 1 < N {
+        while t < Self::TREE {
             along[t] *= self.factor[t][t];
             t += 1;
         }
-        let mut t = N - 1;
-        while t > self.held {
+        let mut t = Self::TREE;
+        while t > self.held && t < N {
             t -= 1;
             let mut k = t + 1;
-            while k + 1 < N {
+            while k < Self::TREE {
                 along[t] -= self.factor[k][t] * along[k];
                 k += 1;
             }
@@ -268,7 +274,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
     const fn close(&self, branches: &[Branch; E], found: &mut Solution<E>) {
         let mut beside = [true; E];
         let mut t = 0;
-        while t + 1 < N {
+        while t < Self::TREE {
             let e = self.tree[t];
             if e < E {
                 beside[e] = false;
@@ -276,7 +282,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
             t += 1;
         }
         let mut t = 0;
-        while t + 1 < N {
+        while t < Self::TREE {
             let mut current_a = 0.0;
             let mut e = 0;
             while e < E {
@@ -296,7 +302,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
     /// Whether an element lies in the tree.
     pub(super) const fn in_tree(&self, element: usize) -> bool {
         let mut t = 0;
-        while t + 1 < N {
+        while t < Self::TREE {
             if self.tree[t] == element {
                 return true;
             }
@@ -310,7 +316,7 @@ impl<const N: usize, const E: usize> Network<N, E> {
         let over_ground = Branch { from: node, to: 0, element: Element::Current };
         let mut potential_v = 0.0;
         let mut t = 0;
-        while t + 1 < N {
+        while t < Self::TREE {
             potential_v += self.counts(&over_ground, t) * at(voltage_v, self.tree[t]);
             t += 1;
         }
