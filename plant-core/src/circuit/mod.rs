@@ -31,7 +31,9 @@
 //! damped; the gate of a MOS is that of the guess before. An output gives the largest current that the
 //! last tangent missed.
 //!
-//! The elements and their defaults are \[EPowertrain2025\]'s. Tests: `tests` below.
+//! The elements and their defaults are \[EPowertrain2025\]'s. Tests: `tests` below; property
+//! `circuit`; cases "circuit: precharge", "circuit: series resonance", "circuit: buck converter"; against
+//! ngspice `tests/tests/circuit.rs`.
 
 #![expect(clippy::needless_range_loop, reason = "element e of several arrays at once")]
 

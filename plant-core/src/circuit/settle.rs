@@ -26,7 +26,7 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
         input: &CircuitInput<E>,
         mut drive: [Real; E],
     ) -> CircuitOutput<E> {
-        self.open(state, input);
+        self.gate(state, input.gates);
         let mut out = CircuitOutput {
             voltage_v: [0.0; E],
             current_a: [0.0; E],
@@ -52,12 +52,18 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
         out
     }
 
-    /// What no longer may conduct forward does not.
-    fn open(&self, state: &mut CircuitState<E>, input: &CircuitInput<E>) {
+    /// What the gates decide by themselves.
+    fn gate(&self, state: &mut CircuitState<E>, gates: u32) {
         for e in 0..E {
             let element = &self.branches[e].element;
-            if element.two_state() && !element.drops_v(on(input.gates, e)).one_way {
+            if !element.two_state() {
+                continue;
+            }
+            let drops = element.drops_v(on(gates, e));
+            if !drops.one_way {
                 state.forward &= !(1 << e);
+            } else if drops.closed && !on(state.reverse, e) {
+                state.forward |= 1 << e;
             }
         }
     }
