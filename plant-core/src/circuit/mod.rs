@@ -42,8 +42,6 @@ mod element;
 mod error;
 mod network;
 mod settle;
-#[cfg(test)]
-mod tests;
 
 pub use books::Books;
 pub use element::{Branch, Element};
@@ -436,3 +434,6 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Model for C
         Circuit::step(self, state, input)
     }
 }
+
+#[cfg(test)]
+mod tests;
