@@ -84,8 +84,9 @@ pub enum Method {
 /// for _ in 1..384 {
 ///     out = CIRCUIT.step(&mut state, CircuitInput::of([355.0, 0.0, 0.0]));
 /// }
-/// // After one time constant of 38.4 ms.
-/// assert!((out.voltage_v[2] - 355.0 * (1.0 - (-1.0_f32).exp())).abs() < 0.01);
+/// // After one time constant of 38.4 ms; the source rose from zero over the first step, so half a step
+/// // of 0.1 ms late.
+/// assert!((out.voltage_v[2] - 355.0 * (1.0 - (-38.35_f32 / 38.4).exp())).abs() < 0.01);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circuit<
