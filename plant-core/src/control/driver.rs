@@ -22,7 +22,7 @@ pub use steering::{Steered, Steering};
 use crate::control::pid::{Pid, PidInput, PidParams, PidState};
 use crate::error::{ParamError, check, limit, not_negative, positive};
 use crate::model::{Dt, Model};
-use crate::num::{GRAVITY_M_S2, Real, clamp, lag_gain, max, min, sane, sign};
+use crate::num::{GRAVITY_M_S2, Real, clamp, lag_gain, max, min, sane, sign, sound};
 use crate::powertrain::{Feedback, PowertrainParams};
 
 /// Below this speed the vehicle counts as standing \[m/s\].
@@ -107,6 +107,14 @@ pub struct DriverState {
     last: Real,
     last_brake_n: Real,
     last_m_s: Option<Real>,
+}
+
+impl DriverState {
+    /// The command that is held where an input is refused.
+    #[inline(always)]
+    const fn commit(&mut self, command: Real, brake_n: Real) {
+        (self.last, self.last_brake_n) = (command, brake_n);
+    }
 }
 
 /// A driver, discretised for one step. A sampled controller: it sees the end of the last step.
@@ -213,12 +221,13 @@ impl Driver {
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
             Self::Torque(driver, current) => {
-                let (demand, mut next, magnitude) = driver.wanted(state, &input);
-                let duty = current.duty(&demand, &input.vehicle);
-                let rejected = demand.rejected || !sane(duty.abs() + magnitude);
-                if !rejected {
-                    next.last = duty;
-                    *state = next;
+                let mut rejected = true;
+                if let Some(demand) = driver.wanted(state, input) {
+                    let duty = current.duty(&demand, &input.vehicle);
+                    rejected = !sane(duty);
+                    if !rejected {
+                        state.commit(duty, demand.brake_n);
+                    }
                 }
                 DriverOutput { duty: state.last, brake_n: state.last_brake_n, rejected }
             }
@@ -357,42 +366,42 @@ impl TorqueDriver {
     /// Decides on one step.
     #[inline(always)]
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> Demand {
-        let (mut demand, mut next, magnitude) = self.wanted(state, &input);
-        demand.rejected |= !sane(magnitude);
-        if demand.rejected {
-            (demand.torque_nm, demand.brake_n) = (state.last, state.last_brake_n);
-        } else {
-            next.last = demand.torque_nm;
-            *state = next;
+        if let Some(demand) = self.wanted(state, input) {
+            state.commit(demand.torque_nm, demand.brake_n);
+            return demand;
         }
-        demand
+        let ahead_m_s = input.vehicle.speed_m_s;
+        Demand { torque_nm: state.last, brake_n: state.last_brake_n, ahead_m_s, rejected: true }
     }
 
-    /// What the driver wants, the state that follows, and the magnitude of all that it saw.
+    /// What the driver wants, or nothing, and no change, where an input is absurd. It works on the
+    /// state where it lies: a copy would cost every step more than the speed controller does.
     #[inline(always)]
-    fn wanted(&self, state: &DriverState, input: &DriverInput) -> (Demand, DriverState, Real) {
-        let DriverInput { reference_m_s, reference_m_s2, vehicle } = *input;
+    fn wanted(&self, state: &mut DriverState, input: DriverInput) -> Option<Demand> {
+        let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
         let v = vehicle.speed_m_s;
-        let mut next = *state;
-        let controller =
-            self.speed.step(&mut next.speed, PidInput { reference: reference_m_s, measurement: v });
-        let force_n = controller.output + self.mass_kg * reference_m_s2;
+        let ahead_n = self.mass_kg * reference_m_s2;
+        let magnitude = reference_m_s.abs()
+            + v.abs()
+            + ahead_n.abs()
+            + vehicle.soc.abs()
+            + vehicle.motor_a.abs()
+            + vehicle.motor_nm.abs()
+            + vehicle.battery_v.abs();
+        if !sound(magnitude) {
+            return None;
+        }
+        let controller = PidInput { reference: reference_m_s, measurement: v };
+        let force_n = self.speed.step_sound(&mut state.speed, controller) + ahead_n;
         let wanted_nm = force_n * self.per_motor_rad_m;
         let (mut torque_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
         if !free || vehicle.limited {
-            (torque_nm, brake_n) = self.blend(&mut next, input, wanted_nm);
+            (torque_nm, brake_n) = self.blend(state, input, wanted_nm);
         }
         let ahead_m_s = self.ahead_m_s(state, &vehicle, torque_nm, brake_n);
-        (next.last_brake_n, next.last_m_s) = (brake_n, Some(v));
-        let magnitude = brake_n
-            + force_n.abs()
-            + vehicle.soc.abs()
-            + vehicle.motor_a.abs()
-            + vehicle.motor_nm.abs()
-            + reference_m_s2.abs()
-            + vehicle.battery_v.abs();
-        (Demand { torque_nm, brake_n, ahead_m_s, rejected: controller.rejected }, next, magnitude)
+        state.last_m_s = Some(v);
+        Some(Demand { torque_nm, brake_n, ahead_m_s, rejected: false })
     }
 
     /// The speed at the end of the step to come, whose back-EMF the current will meet: it changes
@@ -421,7 +430,7 @@ impl TorqueDriver {
     /// standstill: the brake takes what the motor may not do, or what the battery does not let it
     /// do. Tells the speed controller in which direction it is held back.
     #[cold]
-    fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
+    fn blend(&self, state: &mut DriverState, input: DriverInput, wanted_nm: Real) -> (Real, Real) {
         let vehicle = &input.vehicle;
         let v = vehicle.speed_m_s;
         let standing = v.abs() < STANDSTILL_M_S;
@@ -470,7 +479,7 @@ impl TorqueDriver {
     fn start_on_hill(
         &self,
         state: &mut DriverState,
-        input: &DriverInput,
+        input: DriverInput,
         direction: Real,
         slope_n: Real,
     ) -> (Real, Real) {
