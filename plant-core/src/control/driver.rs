@@ -109,6 +109,19 @@ pub struct DriverState {
     last_m_s: Option<Real>,
 }
 
+/// What the driver sees where the brake may have to help: put together there, so that no other step
+/// has to.
+#[derive(Clone, Copy)]
+struct Wish {
+    wanted_nm: Real,
+    reference_m_s: Real,
+    speed_m_s: Real,
+    motor_nm: Real,
+    soc: Real,
+    slope_sin: Real,
+    limited: bool,
+}
+
 impl DriverState {
     /// The command that is held where an input is refused.
     #[inline(always)]
@@ -397,7 +410,16 @@ impl TorqueDriver {
         let (mut torque_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
         if !free || vehicle.limited {
-            (torque_nm, brake_n) = self.blend(state, input, wanted_nm);
+            let wish = Wish {
+                wanted_nm,
+                reference_m_s,
+                speed_m_s: v,
+                motor_nm: vehicle.motor_nm,
+                soc: vehicle.soc,
+                slope_sin: vehicle.slope_sin,
+                limited: vehicle.limited,
+            };
+            (torque_nm, brake_n) = self.blend(state, wish);
         }
         let ahead_m_s = self.ahead_m_s(state, &vehicle, torque_nm, brake_n);
         state.last_m_s = Some(v);
@@ -430,32 +452,31 @@ impl TorqueDriver {
     /// standstill: the brake takes what the motor may not do, or what the battery does not let it
     /// do. Tells the speed controller in which direction it is held back.
     #[cold]
-    fn blend(&self, state: &mut DriverState, input: DriverInput, wanted_nm: Real) -> (Real, Real) {
-        let vehicle = &input.vehicle;
-        let v = vehicle.speed_m_s;
+    fn blend(&self, state: &mut DriverState, wish: Wish) -> (Real, Real) {
+        let Wish { wanted_nm, reference_m_s, speed_m_s: v, .. } = wish;
         let standing = v.abs() < STANDSTILL_M_S;
         // Nor does it start before it has seen the slope.
-        let starts = input.reference_m_s.abs() >= STANDSTILL_M_S && state.last_m_s.is_some();
+        let starts = reference_m_s.abs() >= STANDSTILL_M_S && state.last_m_s.is_some();
         if standing && !starts {
             state.speed.reset();
             return (0.0, self.params.brake_limit_n);
         }
-        let forward = if standing { input.reference_m_s >= 0.0 } else { v > 0.0 };
+        let forward = if standing { reference_m_s >= 0.0 } else { v > 0.0 };
         // From here on torques and forces count in the direction of motion.
         let direction = if forward { 1.0 } else { -1.0 };
-        let motor_nm = direction * vehicle.motor_nm;
-        let slope_n = direction * self.weight_n * vehicle.slope_sin;
+        let motor_nm = direction * wish.motor_nm;
+        let slope_n = direction * self.weight_n * wish.slope_sin;
         if standing && slope_n > max(motor_nm * self.motor_rad_per_m, 0.0) {
-            return self.start_on_hill(state, input, direction, slope_n);
+            return self.start_on_hill(state, wish, direction, slope_n);
         }
         let wanted_nm = direction * wanted_nm;
-        let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
-        if direction * input.reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
+        let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), wish.soc);
+        if direction * reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
             // Rolling in the wrong direction: to drive against it is no regeneration to fade.
             command_nm = max(min(command_nm, wanted_nm), -self.params.peak_torque_nm);
         }
         let mut short_nm = command_nm - wanted_nm;
-        if vehicle.limited {
+        if wish.limited {
             if wanted_nm < 0.0 {
                 short_nm += max(motor_nm - command_nm, 0.0);
             } else {
@@ -479,11 +500,11 @@ impl TorqueDriver {
     fn start_on_hill(
         &self,
         state: &mut DriverState,
-        input: DriverInput,
+        wish: Wish,
         direction: Real,
         slope_n: Real,
     ) -> (Real, Real) {
-        let (reference, measurement) = (input.reference_m_s, input.vehicle.speed_m_s);
+        let (reference, measurement) = (wish.reference_m_s, wish.speed_m_s);
         let error_n = self.params.speed.proportional * (reference - measurement);
         let carried_n = direction * HILL_MARGIN * slope_n;
         let controller = PidInput { reference, measurement };
