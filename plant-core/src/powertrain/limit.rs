@@ -54,11 +54,13 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         state: &PowertrainState<L, B::State, D::State>,
         command: D::Command,
         asked: CurrentLimits,
-        mut walk: Walk<D::Link>,
+        solved: Solved<D::Link>,
         mut loads: Loads,
         source: Source,
         resistance: Resistance,
     ) -> Kept<D::Link> {
+        // Again, as what a call gets every step has to keep.
+        let mut walk = self.reviewed(state, &loads, solved);
         let mut limits = self.battery.faded(&state.battery).within(asked);
         if limits.discharge_a < LARGEST {
             // No more than the source can give at all.

@@ -69,10 +69,11 @@ use core::marker::PhantomData;
 use crate::auxiliary::Auxiliary;
 use crate::battery::{Battery, BatteryState, Pack};
 use crate::error::{ParamError, check};
+use crate::machine::Solved;
 use crate::mechanics::body::{Body, BodyState};
 use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
-use crate::num::{Accum, Real, min, sound};
+use crate::num::{Accum, Real, sound};
 use crate::port::Coast;
 use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
 use crate::powertrain::solve::Walk;
@@ -314,7 +315,8 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         emf_v: Real,
     ) -> bool {
         let battery_a = walk.battery_a;
-        let least_a = min(battery_a, battery_a - walk.review.field_w / walk.battery_v);
+        // A field that shrinks only has the law looked at.
+        let least_a = battery_a - (walk.review.field_w / walk.battery_v).abs();
         // Asked as what breaks a limit: beyond an infinite one there is nothing to compare. What is
         // not a number is refused further on.
         let broken = !walk.review.fits
@@ -348,8 +350,15 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
         if !self.keeps_limits(&walk, &battery, &input, bus.emf_v) {
-            let kept =
-                self.keep_limits(state, input.gates, input.limits, walk, loads, source, resistance);
+            let kept = self.keep_limits(
+                state,
+                input.gates,
+                input.limits,
+                Solved { link: walk.link, bus_v: walk.battery_v, motion: walk.motion },
+                loads,
+                source,
+                resistance,
+            );
             (walk, starved, exceeded_a) = (kept.walk, kept.starved, kept.exceeded_a);
             if kept.limited != Limited::No {
                 limited = kept.limited;
@@ -363,8 +372,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
 
         // One check of what could pass unseen (a standstill swallows it) and of what is about to
         // enter a state, where the rest shows.
-        let magnitude = input.auxiliary_w
-            + input.road.magnitude()
+        let magnitude = (input.auxiliary_w + input.road.magnitude())
             + walk.review.magnitude
             + (v + walk.motion.increment_m_s).abs()
             + walk.battery_a.abs()
