@@ -22,7 +22,7 @@ pub use steering::{Steered, Steering};
 use crate::control::pid::{Pid, PidInput, PidParams, PidState};
 use crate::error::{ParamError, check, limit, not_negative, positive};
 use crate::model::{Dt, Model};
-use crate::num::{GRAVITY_M_S2, Real, clamp, lag_gain, max, min, sane, sign, sound};
+use crate::num::{GRAVITY_M_S2, LARGEST, Real, clamp, lag_gain, max, min, sign, sound};
 use crate::powertrain::{Feedback, PowertrainParams};
 
 /// Below this speed the vehicle counts as standing \[m/s\].
@@ -234,14 +234,11 @@ impl Driver {
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
             Self::Torque(driver, current) => {
-                let mut rejected = true;
-                if let Some(demand) = driver.wanted(state, input) {
-                    let duty = current.duty(&demand, &input.vehicle);
-                    rejected = !sane(duty);
-                    if !rejected {
-                        state.commit(duty, demand.brake_n);
-                    }
+                let demand = driver.wanted(state, input);
+                if let Some(demand) = demand {
+                    state.commit(current.duty(&demand, &input.vehicle), demand.brake_n);
                 }
+                let rejected = demand.is_none();
                 DriverOutput { duty: state.last, brake_n: state.last_brake_n, rejected }
             }
         }
@@ -288,7 +285,8 @@ impl CurrentLoop {
         let voltage_v = self.v_per_nm * demand.torque_nm - self.gain_ohm * vehicle.motor_a
             + self.back_emf_v_s_per_m * demand.ahead_m_s
             + self.drop_v * sign(demand.torque_nm);
-        voltage_v / max(vehicle.battery_v, 1.0)
+        // No converter reaches the bound; without it an absurd motor would make a number that is none.
+        max(min(voltage_v / max(vehicle.battery_v, 1.0), LARGEST), -LARGEST)
     }
 }
 
@@ -396,6 +394,7 @@ impl TorqueDriver {
         let ahead_n = self.mass_kg * reference_m_s2;
         let magnitude = reference_m_s.abs()
             + v.abs()
+            + reference_m_s2.abs()
             + ahead_n.abs()
             + vehicle.soc.abs()
             + vehicle.motor_a.abs()

@@ -73,7 +73,7 @@ use crate::machine::Solved;
 use crate::mechanics::body::{Body, BodyState};
 use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
-use crate::num::{Accum, Real, sound};
+use crate::num::{Accum, Real, min, sound};
 use crate::port::Coast;
 use crate::powertrain::ledger::{Book, EnergyLedger, EnergyReport, NoLedger, Stored};
 use crate::powertrain::solve::Walk;
@@ -315,8 +315,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         emf_v: Real,
     ) -> bool {
         let battery_a = walk.battery_a;
-        // A field that shrinks only has the law looked at.
-        let least_a = battery_a - (walk.review.field_w / walk.battery_v).abs();
+        let least_a = min(battery_a, battery_a - walk.review.field_w / walk.battery_v);
         // Asked as what breaks a limit: beyond an infinite one there is nothing to compare. What is
         // not a number is refused further on.
         let broken = !walk.review.fits
@@ -363,7 +362,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             if kept.limited != Limited::No {
                 limited = kept.limited;
             }
-            loads = kept.loads;
+            loads = loads.times(kept.share);
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
             overcharged_c = self.battery.settle(&mut settled, walk.battery_a);
