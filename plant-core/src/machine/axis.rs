@@ -21,7 +21,7 @@ const RELEASE: Real = 1.0005;
 
 /// A power is known to this share of the back-EMF's, or of the field's: a shorted winding, whose power
 /// is rounding, does not charge.
-const ROUNDING: Real = 1e-6;
+pub(super) const ROUNDING: Real = 1e-6;
 
 /// One axis of a winding over one step.
 #[derive(Clone, Copy, Debug)]

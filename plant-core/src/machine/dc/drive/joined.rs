@@ -2,7 +2,7 @@
 
 use super::{DcDrive, DcDriveOutput, DcLink};
 use crate::converter::Gates;
-use crate::machine::axis::{Axis, AxisBounds};
+use crate::machine::axis::{Axis, AxisBounds, ROUNDING};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
 use crate::mechanics::body::Resistance;
 use crate::num::{Accum, LARGEST, Real, clamp, sign};
@@ -263,6 +263,9 @@ impl Machine for DcDrive {
         speed_m_s: Real,
         bus_v: Real,
     ) -> (DcLink, Option<Gates>) {
+        // What rounding leaves of a current that ends has no direction, and no voltage drop.
+        let left_a = state.get() + rise_a;
+        let rise_a = if left_a.abs() <= ROUNDING * rise_a.abs() { -state.get() } else { rise_a };
         let x = state.get() + rise_a;
         let drop_v = sign(x) * self.converter.params.voltage_drop_v;
         let imposed = DcLink { drop_v, rise_a, admittance_s: 0.0, ..*link };
