@@ -4,7 +4,6 @@
 ///
 /// Where the machine has an instruction, safe code cannot reach it without the standard library,
 /// and `libm`'s routine for the others takes 0.5 kB of flash.
-#[inline]
 pub fn sqrt(x: f32) -> f32 {
     let bits = x.to_bits();
     let is_normal = bits.wrapping_sub(0x0080_0000) < 0x7f00_0000;
@@ -25,7 +24,7 @@ fn rare(x: f32) -> f32 {
     }
 }
 
-#[inline(always)]
+#[inline]
 const fn normal(bits: u32) -> f32 {
     // x = 4^half · y with y in 1..4.
     let exponent = bits.wrapping_sub(0x3f80_0000);
