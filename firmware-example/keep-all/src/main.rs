@@ -207,6 +207,7 @@ fn composed() {
         DriveParams::<DcMotorParams>::on,
         DriveParams::<PmsmParams>::on,
         Axles::<Drive>::and::<Synchronous>,
+        Axles::<Drive>::motor_rad_per_m,
         unchanged,
         PowertrainParams::<BatteryParams>::with_drives::<DriveParams<PmsmParams>>,
         PowertrainParams::<BatteryParams, (DriveParams<PmsmParams>, DriveParams)>::build,
