@@ -1,7 +1,7 @@
 /*
  * Voltstep for C: an EV powertrain (battery, up to four drives of converter, DC or synchronous
- * machine and gearbox, wheels, body) with its driver, in fixed steps, and the estimators of a battery; single precision, without allocation;
- * bit for bit the same on a Cortex-M4F and on a PC.
+ * machine and gearbox, wheels, body) with its driver, in fixed steps, and the estimators of a
+ * battery; single precision, without allocation; bit for bit the same on a Cortex-M4F and on a PC.
  *
  *   VoltstepParams params;
  *   voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, &params);

@@ -99,8 +99,8 @@ impl<D: Copy> Axles<D> {
 }
 
 impl<D> Axles<D> {
-    /// Turns of the first motor (rad) per metre of road, as [`Drives::motor_rad_per_m`](super::Drives::motor_rad_per_m) of a plant with
-    /// these axles, in a constant.
+    /// Turns of the first motor (rad) per metre of road, as
+    /// [`Drives::motor_rad_per_m`](super::Drives::motor_rad_per_m) says, but for constants too.
     #[must_use]
     pub const fn motor_rad_per_m(&self) -> Real {
         self.motor_rad_per_m
