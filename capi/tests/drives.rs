@@ -161,8 +161,9 @@ fn a_bad_drive_among_several_is_found() {
 
 #[test]
 fn every_bad_parameter_of_a_drive_has_its_code() {
+    type Change = fn(&mut VoltstepDriveParams, f32);
     let nan = f32::NAN;
-    let bad: [(fn(&mut VoltstepDriveParams, f32), Status); 17] = [
+    let bad: [(Change, Status); 17] = [
         (|d, nan| d.pmsm.magnet_wb = nan, Status::PmsmFluxMagnetWb),
         (|d, _| (d.pmsm.magnet_wb, d.pmsm.q_h) = (0.0, d.pmsm.d_h), Status::PmsmFluxMagnetWbRange),
         (|d, nan| d.pmsm.d_h = nan, Status::PmsmFluxDH),
