@@ -179,6 +179,11 @@ impl Entry {
     }
 }
 
+/// Whether a number comes after another, over the wrap to 0 too.
+pub(super) const fn later(sequence: u32, other: u32) -> bool {
+    sequence.wrapping_sub(other).cast_signed() > 0
+}
+
 /// Of all but the last word, which holds it.
 fn checksum(bytes: &[u8; LENGTH]) -> u32 {
     bytes.get(..LENGTH - 4).map_or(0, |body| CHECKSUM.checksum(body))

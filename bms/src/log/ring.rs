@@ -2,7 +2,7 @@
 
 use heapless::Deque;
 
-use super::entry::{Entry, Frame, Kind};
+use super::entry::{Entry, Frame, Kind, later};
 use crate::protect::{Faults, Id, ROWS};
 
 /// How many entries are kept.
@@ -43,6 +43,18 @@ impl Log {
             next,
             stored: next,
             lost: 0,
+        }
+    }
+
+    /// Before the first event: numbers go on after the newest entry of a store, where that is later
+    /// than what the log was made with, as after a power cut.
+    pub fn follow(&mut self, newest: Option<u32>) {
+        if let Some(newest) = newest
+            && self.entries.is_empty()
+            && later(newest.wrapping_add(1), self.next)
+        {
+            self.next = newest.wrapping_add(1);
+            self.stored = self.next;
         }
     }
 

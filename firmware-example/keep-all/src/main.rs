@@ -302,7 +302,7 @@ fn protection() {
         Cause::needs, Cause::code, Cause::at, Cause::faults, ContactorState::phase, ContactorState::cause,
         ContactorState::tries, ContactorState::coils, ContactorState::power_allowed,
         Limiter::new, Limiter::step, limit::arbitrate,
-        Entry::encode, Entry::decode, Log::new, Log::write, Log::newest, Log::entries, Log::occurrences, Log::pending,
+        Entry::encode, Entry::decode, Log::new, Log::follow, Log::write, Log::newest, Log::entries, Log::occurrences, Log::pending,
         Log::stored, Log::lost, LogStore::new, LogStore::newest, LogStore::slots, LogStore::entry,
         LogStore::append, LogStore::release,
         DebounceState::tripped, DebounceState::quiet, Debounce::step, Id::index, Id::at, Id::flow, Id::side,
