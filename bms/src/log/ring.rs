@@ -11,6 +11,7 @@ pub const KEPT: usize = 32;
 /// How often a row has tripped, and when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Occurrences {
     /// How often, up to 65 535.
     pub count: u16,
@@ -25,11 +26,16 @@ pub struct Occurrences {
 /// What is to be stored is taken out by [`pending`](Self::pending) and [`stored`](Self::stored); an
 /// event that was overwritten before it could be stored is counted in [`lost`](Self::lost).
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Log {
     entries: Deque<Entry, KEPT>,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     occurrences: [Occurrences; ROWS],
     next: u32,
+    // What was stored is the product's matter.
+    #[cfg_attr(feature = "recorder", serde(skip))]
     stored: u32,
+    #[cfg_attr(feature = "recorder", serde(skip))]
     lost: u32,
 }
 

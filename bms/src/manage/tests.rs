@@ -14,30 +14,31 @@ use crate::protect::{Clear, EXAMPLE, Faults, Id, Level, Side, Trip};
 use crate::store::record::Record;
 use crate::{Health, Measurements, Reading, Real, must};
 
-const CELLS: usize = 14;
+pub(super) const CELLS: usize = 14;
 const PARALLEL: Real = 20.0;
-static PACK: Description = must!(Description::new(BmsParams::typical(EXAMPLE, CELL, 33.0)));
-const BMS: Bms<CELLS, 4> = must!(Bms::new(&PACK));
+pub(super) static PACK: Description =
+    must!(Description::new(BmsParams::typical(EXAMPLE, CELL, 33.0)));
+pub(super) const BMS: Bms<CELLS, 4> = must!(Bms::new(&PACK));
 
 /// Cells that are alike, three contactors, a link with a resistor.
-struct Rig {
-    battery: MappedBattery,
-    cell: MappedBatteryState,
-    cell_v: Real,
-    link_v: Real,
-    coils: Coils,
-    us: u64,
-    tick_us: u64,
-    load_a: Real,
-    flags: Faults,
-    over_v: [Real; CELLS],
-    lost: bool,
-    bled: [bool; CELLS],
-    current_a: Real,
+pub(super) struct Rig {
+    pub(super) battery: MappedBattery,
+    pub(super) cell: MappedBatteryState,
+    pub(super) cell_v: Real,
+    pub(super) link_v: Real,
+    pub(super) coils: Coils,
+    pub(super) us: u64,
+    pub(super) tick_us: u64,
+    pub(super) load_a: Real,
+    pub(super) flags: Faults,
+    pub(super) over_v: [Real; CELLS],
+    pub(super) lost: bool,
+    pub(super) bled: [bool; CELLS],
+    pub(super) current_a: Real,
 }
 
 impl Rig {
-    fn new(soc: Real) -> Self {
+    pub(super) fn new(soc: Real) -> Self {
         let dt = Dt::from_s(0.001).unwrap();
         let battery = MappedBattery::new(CELL, dt).unwrap();
         let cell = battery.rested_at(soc, 25.0).unwrap();
@@ -112,10 +113,10 @@ impl Board<CELLS, 4> for Rig {
     }
 }
 
-type State = BmsState<CELLS, 4>;
+pub(super) type State = BmsState<CELLS, 4>;
 
-const OFF: Asked = Asked { vehicle: Request::Off, ..Asked::NOTHING };
-const DRIVE: Asked = Asked { vehicle: Request::Drive, ..Asked::NOTHING };
+pub(super) const OFF: Asked = Asked { vehicle: Request::Off, ..Asked::NOTHING };
+pub(super) const DRIVE: Asked = Asked { vehicle: Request::Drive, ..Asked::NOTHING };
 
 fn run(state: &mut State, rig: &mut Rig, ms: u32) {
     for _ in 0..ms {
@@ -146,7 +147,7 @@ fn driving(soc: Real) -> (State, Rig) {
     (state, rig)
 }
 
-fn record() -> Record {
+pub(super) fn record() -> Record {
     let health = Health::as_new(PACK.battery());
     Record { written_at_s: Some(100), ..Record::of(EkfMemory::UNKNOWN, health) }
 }

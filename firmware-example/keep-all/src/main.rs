@@ -311,7 +311,7 @@ fn protection() {
         ProtectionState::locked_by, ProtectionState::latched, ProtectionState::cell_extremes_v, ProtectionState::heat_share,
         ProtectionState::temperature_extremes_c, Protection::new, Protection::table, Protection::step,
         Reaction::trip, Seen::all, Seen::flag, Row::judge, PackSheet::sweep_s, Verdict::bars,
-        Verdict::derates, Table::new, Table::with, Table::rows, Table::row, Table::sheet, Table::period_s,
+        Verdict::derates, Table::new, Table::with, Table::supposing, Table::rows, Table::row, Table::sheet, Table::period_s,
         Table::longest_s,
     );
 }
@@ -340,7 +340,7 @@ fn bus() {
 fn whole() {
     keep!(
         BmsParams::typical, BmsParams::per_second, BmsParams::ticks_per_sample,
-        Description::new, Description::params, Description::table, Description::battery,
+        Description::new, Description::supposing, Description::params, Description::table, Description::battery,
         Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
         Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
         BmsState::measurements, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
