@@ -111,6 +111,12 @@ impl<const CELLS: usize, const SENSORS: usize> BmsState<CELLS, SENSORS> {
         &self.now
     }
 
+    /// When the last call was, on the board's clock \[µs\]; `None` before the first.
+    #[must_use]
+    pub const fn uptime_us(&self) -> Option<u64> {
+        self.uptime_us
+    }
+
     /// What the rows say.
     #[must_use]
     pub const fn verdict(&self) -> &Verdict {

@@ -343,7 +343,7 @@ fn whole() {
         Description::new, Description::supposing, Description::params, Description::table, Description::battery,
         Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
         Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
-        BmsState::measurements, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
+        BmsState::measurements, BmsState::uptime_us, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
         Bus::hear, Bus::asked, send_all as fn(&mut Bus, &Bms, &BmsState),
     );
 }
