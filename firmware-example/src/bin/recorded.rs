@@ -17,9 +17,12 @@ use semihosting::process::ExitCode;
 use semihosting::{print, println};
 
 #[entry]
+#[expect(clippy::large_stack_arrays, reason = "it is what a static begins with")]
 fn main() -> ! {
-    let mut memory = [0; 1 << 16];
-    let there = recorded::drive(&mut memory, |bytes| {
+    let Some(memory) = cortex_m::singleton!(: [u8; 1 << 16] = [0; 1 << 16]) else {
+        ExitCode::FAILURE.exit_process()
+    };
+    let there = recorded::drive(memory, |bytes| {
         for byte in bytes {
             print!("{byte:02x}");
         }

@@ -32,7 +32,7 @@ fn a_recording_gives_the_same_bits_and_other_thresholds_beside() {
     }
     let trips_s = |set: &[&str]| {
         let mut args = vec!["rewind", "log.vsrc", "--json"];
-        set.iter().for_each(|set| args.extend(["--set", set]));
+        args.extend(set.iter().flat_map(|set| ["--set", set]));
         let report: Value = serde_json::from_str(&sandbox.succeed(&args)).unwrap();
         assert_eq!(report["same"], true);
         [&report["was"]["trips_s"], &report["supposed"]["trips_s"]].map(Value::as_f64)
