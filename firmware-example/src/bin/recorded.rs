@@ -2,6 +2,7 @@
 #![no_main]
 //! The pack of `own_pack`, recorded: the bytes in hexadecimal, the same as those of the example of
 //! `voltstep-bms`. `voltstep rewind` runs them again.
+#![allow(clippy::large_stack_arrays, reason = "it is what a static begins with")]
 #![allow(dead_code, reason = "the pack is driven by another loop here")]
 
 #[path = "../../../bms/examples/own_pack/hardware.rs"]
@@ -17,7 +18,6 @@ use semihosting::process::ExitCode;
 use semihosting::{print, println};
 
 #[entry]
-#[expect(clippy::large_stack_arrays, reason = "it is what a static begins with")]
 fn main() -> ! {
     let Some(memory) = cortex_m::singleton!(: [u8; 1 << 16] = [0; 1 << 16]) else {
         ExitCode::FAILURE.exit_process()
