@@ -69,6 +69,7 @@ use voltstep_bms::estimate::series::Series;
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
 use voltstep_bms::limit::{self, Limiter};
 use voltstep_bms::log::{self, Entry, Log};
+use voltstep_bms::manage::recorder::Recorder;
 use voltstep_bms::manage::{self, Asked, BmsParams, Board, Bus, Description};
 use voltstep_bms::measure::{self, Reading, Spread};
 use voltstep_bms::protect::{
@@ -122,6 +123,7 @@ fn main() -> ! {
     protection();
     bus();
     whole();
+    recorded();
     controls();
     loop {
         cortex_m::asm::nop();
@@ -346,6 +348,22 @@ fn whole() {
         BmsState::measurements, BmsState::uptime_us, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
         Bus::hear, Bus::asked, send_all as fn(&mut Bus, &Bms, &BmsState),
     );
+}
+
+#[rustfmt::skip]
+fn recorded() {
+    keep!(
+        Recorder::new::<CELLS, SENSORS>, Recorder::call::<CELLS, SENSORS, Idle>,
+        Recorder::checkpoint::<CELLS, SENSORS>, Recorder::freeze::<CELLS, SENSORS>, Recorder::calls,
+        write_all as fn(&Recorder, &Bms) -> bool,
+    );
+}
+
+/// What is written goes nowhere.
+fn write_all(recorder: &Recorder, bms: &Bms) -> bool {
+    Recorder::write(recorder, bms, |bytes| {
+        black_box(bytes);
+    })
 }
 
 /// What is sent goes nowhere.

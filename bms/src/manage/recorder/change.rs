@@ -1,21 +1,21 @@
-//! Readings that have changed, in few bytes.
+//! Readings that have changed, in few bytes; `eye` reads them.
 
 use plant_core::Real;
 
 use crate::{Measurements, Reading};
 
 /// What has become of a reading, in two bits.
-const SAME: u8 = 0;
+pub(super) const SAME: u8 = 0;
 /// New, with the value of before.
-const AGAIN: u8 = 1;
+pub(super) const AGAIN: u8 = 1;
 /// New: how many numbers further its value is follows, one to five bytes.
-const FRESH: u8 = 2;
+pub(super) const FRESH: u8 = 2;
 /// All of it follows: value, age, whether it is valid.
-const OTHER: u8 = 3;
+pub(super) const OTHER: u8 = 3;
 
 /// In the byte of a call that reads, above current, pack and link: cells and temperatures follow.
-const CELLS_CHANGED: u8 = 1 << 6;
-const TEMPERATURES_CHANGED: u8 = 1 << 7;
+pub(super) const CELLS_CHANGED: u8 = 1 << 6;
+pub(super) const TEMPERATURES_CHANGED: u8 = 1 << 7;
 
 /// Bytes that are written one after the other; what no longer fits is remembered.
 #[derive(Debug)]
@@ -59,44 +59,9 @@ impl Pen<'_> {
     }
 }
 
-/// Bytes that are read one after the other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Eye<'e> {
-    pub bytes: &'e [u8],
-}
-
-impl<'e> Eye<'e> {
-    pub fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (taken, rest) = self.bytes.split_first_chunk()?;
-        self.bytes = rest;
-        Some(*taken)
-    }
-
-    pub fn byte(&mut self) -> Option<u8> {
-        self.take::<1>().map(|[byte]| byte)
-    }
-
-    pub fn slice(&mut self, length: usize) -> Option<&'e [u8]> {
-        let (taken, rest) = self.bytes.split_at_checked(length)?;
-        self.bytes = rest;
-        Some(taken)
-    }
-
-    pub fn take_all<T: serde::Deserialize<'e>>(&mut self) -> Option<T> {
-        let (value, rest) = postcard::take_from_bytes(self.bytes).ok()?;
-        self.bytes = rest;
-        Some(value)
-    }
-}
-
 #[allow(clippy::cast_possible_truncation, clippy::unnecessary_cast)]
 pub(super) const fn single(value: Real) -> [u8; 4] {
     (value as f32).to_le_bytes()
-}
-
-#[allow(clippy::cast_lossless, clippy::unnecessary_cast)]
-pub(super) const fn real(bytes: [u8; 4]) -> Real {
-    f32::from_le_bytes(bytes) as Real
 }
 
 pub(super) const fn same(a: Real, b: Real) -> bool {
@@ -125,22 +90,6 @@ fn put_reading(pen: &mut Pen, before: &Reading, now: &Reading) -> u8 {
     }
 }
 
-fn take_reading(eye: &mut Eye, code: u8, reading: &mut Reading) -> Option<()> {
-    match code & 3 {
-        SAME => {}
-        AGAIN => *reading = Reading::new(reading.value),
-        FRESH => {
-            let bits = i32::from_le_bytes(single(reading.value)).wrapping_add(eye.take_all()?);
-            *reading = Reading::new(real(bits.to_le_bytes()));
-        }
-        _ => {
-            let (value, age_s) = (real(eye.take()?), real(eye.take()?));
-            *reading = Reading { value, age_s, valid: eye.byte()? != 0 };
-        }
-    }
-    Some(())
-}
-
 fn put_many(pen: &mut Pen, before: &[Reading], now: &[Reading]) -> bool {
     let from = pen.at;
     let mut changed = false;
@@ -156,16 +105,6 @@ fn put_many(pen: &mut Pen, before: &[Reading], now: &[Reading]) -> bool {
         pen.at = from;
     }
     changed
-}
-
-fn take_many(eye: &mut Eye, readings: &mut [Reading]) -> Option<()> {
-    for readings in readings.chunks_mut(4) {
-        let codes = eye.byte()?;
-        for (index, reading) in readings.iter_mut().enumerate() {
-            take_reading(eye, codes >> (2 * index), reading)?;
-        }
-    }
-    Some(())
 }
 
 /// Writes what a board has changed.
@@ -190,22 +129,4 @@ pub(super) fn put<const CELLS: usize, const SENSORS: usize>(
     if put_many(pen, &before.temperature_c, &now.temperature_c) {
         pen.set(at, TEMPERATURES_CHANGED);
     }
-}
-
-/// Changes it likewise; `None` where the bytes end too soon.
-pub(super) fn take<const CELLS: usize, const SENSORS: usize>(
-    eye: &mut Eye,
-    now: &mut Measurements<CELLS, SENSORS>,
-) -> Option<()> {
-    let codes = eye.byte()?;
-    take_reading(eye, codes, &mut now.current_a)?;
-    take_reading(eye, codes >> 2, &mut now.pack_v)?;
-    take_reading(eye, codes >> 4, &mut now.link_v)?;
-    if codes & CELLS_CHANGED != 0 {
-        take_many(eye, &mut now.cell_v)?;
-    }
-    if codes & TEMPERATURES_CHANGED != 0 {
-        take_many(eye, &mut now.temperature_c)?;
-    }
-    Some(())
 }

@@ -4,8 +4,8 @@
 //! [`Recorder`] stands between the [`Bms`](super::Bms) and its [`Board`](super::Board). Its memory is
 //! two halves. Each begins with a checkpoint; when one is full, the other is begun anew, so that at
 //! least what fits one half is there. [`Recorder::write`] gives the bytes of a recording, with the
-//! description of the pack; [`Recording`] reads them, [`Playback`] runs them; `voltstep rewind` does
-//! both. What is asked for is recorded, not the frames that it came in.
+//! description of the pack. On a PC, with the feature `rewind`, `Recording` reads them and `Playback`
+//! runs them; `voltstep rewind` does both. What is asked for is recorded, not the frames that it came in.
 //!
 //! # How long
 //! A call takes one byte, and where it reads the board one more. A reading that is new takes 2 or 3
@@ -28,9 +28,13 @@
 //! `tests` below; in QEMU and on a PC, `cargo xtask bits`.
 
 mod change;
+#[cfg(feature = "rewind")]
+mod eye;
+#[cfg(feature = "rewind")]
 mod play;
 mod write;
 
+#[cfg(feature = "rewind")]
 pub use play::{Playback, Recording, RecordingError};
 pub use write::Recorder;
 
@@ -64,15 +68,6 @@ pub enum Call {
     Filter,
     /// [`slow`](super::Bms::slow).
     Slow,
-}
-
-impl Call {
-    const ALL: [Self; 4] = [Self::Tick, Self::Fast, Self::Filter, Self::Slow];
-
-    /// Whether it reads measurements.
-    const fn reads(self) -> bool {
-        matches!(self, Self::Tick | Self::Fast)
-    }
 }
 
 /// In the first byte of an input, beside the call: the time follows, other answers do, the wires'
@@ -127,11 +122,10 @@ impl postcard::ser_flavors::Flavor for Hash {
 }
 
 /// A hash of all that a state holds, but what was stored of it.
-#[must_use]
-pub fn digest<const CELLS: usize, const SENSORS: usize>(state: &BmsState<CELLS, SENSORS>) -> u64 {
+fn digest<const CELLS: usize, const SENSORS: usize>(state: &BmsState<CELLS, SENSORS>) -> u64 {
     // Nothing in a state is refused, and the hash takes everything.
     postcard::serialize_with_flavor(state, Hash::NEW).unwrap_or(0)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rewind"))]
 mod tests;

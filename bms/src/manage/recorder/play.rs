@@ -2,7 +2,7 @@
 
 use plant_core::Real;
 
-use super::change::{self, Eye, real};
+use super::eye::{self, Eye, real};
 use super::write::expected_us;
 use super::{
     CHECKSUM, Call, HEAD, MAGIC, MOST_WIRES, NO_WIRES, OTHERS, Others, TIMED, VERSION, WIRES,
@@ -133,6 +133,15 @@ impl<'r> Recording<'r> {
     }
 }
 
+impl Call {
+    const ALL: [Self; 4] = [Self::Tick, Self::Fast, Self::Filter, Self::Slow];
+
+    /// Whether it reads measurements.
+    const fn reads(self) -> bool {
+        matches!(self, Self::Tick | Self::Fast)
+    }
+}
+
 /// Runs the calls of a recording, one after the other.
 ///
 /// ```
@@ -183,26 +192,26 @@ impl<'r> Playback<'r> {
         bms: &Bms<CELLS, SENSORS>,
         state: &BmsState<CELLS, SENSORS>,
     ) -> Option<(Call, Eye<'r>, u64)> {
-        let eye = &mut self.eye;
-        let head = eye.byte()?;
+        let at = &mut self.eye;
+        let head = at.byte()?;
         let call = *Call::ALL.get(usize::from(head & 3))?;
-        let readings = *eye;
+        let readings = *at;
         if call.reads() {
             // Where they end; the board's turn comes in the call.
             let mut scratch = state.now;
-            change::take(eye, &mut scratch)?;
+            eye::take(at, &mut scratch)?;
         }
         if head & WIRES != 0 {
-            self.wires = u16::from_le_bytes(eye.take()?);
+            self.wires = u16::from_le_bytes(at.take()?);
             if self.wires != NO_WIRES {
                 for wire_v in self.wires_v.get_mut(..usize::from(self.wires))? {
-                    *wire_v = real(eye.take()?);
+                    *wire_v = real(at.take()?);
                 }
             }
         }
-        let uptime_us = if head & TIMED != 0 { eye.take_all()? } else { expected_us(bms, state) };
+        let uptime_us = if head & TIMED != 0 { at.take_all()? } else { expected_us(bms, state) };
         if head & OTHERS != 0 {
-            self.last.take(eye.take_all()?);
+            self.last.take(at.take_all()?);
         }
         Some((call, readings, uptime_us))
     }
@@ -223,7 +232,7 @@ impl<const CELLS: usize, const SENSORS: usize> Board<CELLS, SENSORS> for Player<
 
     fn measure(&mut self, into: &mut Measurements<CELLS, SENSORS>) {
         // It was long enough when it was read.
-        let _ = change::take(&mut self.readings, into);
+        let _ = eye::take(&mut self.readings, into);
     }
 
     fn feedback(&mut self) -> [Feedback; 3] {

@@ -199,7 +199,7 @@ impl<'m> Recorder<'m> {
         let older = 1 - newer;
         let part = |index: usize| {
             let (memory, half) = (self.memory.get(index)?, self.halves.get(index)?);
-            Some(memory.get(..half.end)?.split_at(half.checkpoint))
+            memory.get(..half.end)?.split_at_checked(half.checkpoint)
         };
         let Some((newer_checkpoint, newer)) = part(newer) else { return false };
         let (checkpoint, before) = match part(older) {
