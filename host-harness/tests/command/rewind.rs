@@ -51,6 +51,35 @@ fn a_recording_gives_the_same_bits_and_other_thresholds_beside() {
     assert!(text.contains("the contactors do otherwise; the rest is not known"), "{text}");
 }
 
+/// CRC-32C, bit by bit.
+fn checksum(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |sum, byte| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum: u32, _| {
+            if sum & 1 == 1 { sum >> 1 ^ 0x82f6_3b78 } else { sum >> 1 }
+        })
+    })
+}
+
+/// A recording of another state at the end, and of an input that was not so.
+#[test]
+fn other_bits_are_told() {
+    let sandbox = Sandbox::new();
+    let bytes = recording();
+    let body = bytes.len() - 4;
+    assert_eq!(checksum(&bytes[..body]).to_le_bytes(), bytes[body..]);
+    // In the digest; the low bits of the current in the last call.
+    for at in [24, body - 2] {
+        let mut wrong = bytes.clone();
+        wrong[at] ^= 1;
+        let sum = checksum(&wrong[..body]).to_le_bytes();
+        wrong[body..].copy_from_slice(&sum);
+        sandbox.write("wrong.vsrc", wrong);
+        let finished = sandbox.run(&["rewind", "wrong.vsrc"]);
+        assert_eq!(finished.code, Some(1), "{at}: {}", finished.stderr);
+        assert!(finished.stdout.contains(": NOT the same bits"), "{}", finished.stdout);
+    }
+}
+
 #[test]
 fn what_is_no_recording_or_no_parameter_is_refused() {
     let sandbox = Sandbox::new();
