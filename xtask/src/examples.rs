@@ -7,16 +7,18 @@ use anyhow::{Context, Result, bail};
 
 use crate::shell::{cargo, output};
 
-/// Folder and package.
-const PACKAGES: [(&str, &str); 2] = [("plant-core", "plant-core"), ("bms", "voltstep-bms")];
+/// Folder, package and the features that its examples need.
+const PACKAGES: [(&str, &str, &str); 2] =
+    [("plant-core", "plant-core", ""), ("bms", "voltstep-bms", "recorder")];
 
 /// Runs every example; one that fails, or shows nothing, is an error.
 pub fn examples() -> Result<()> {
-    for (folder, package) in PACKAGES {
+    for (folder, package, features) in PACKAGES {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("examples");
         for example in names(&path)? {
             println!("{package}: {example}");
-            let shown = output(cargo().args(["run", "-q", "-p", package, "--example", &example]))?;
+            let run = ["run", "-q", "-p", package, "--features", features, "--example", &example];
+            let shown = output(cargo().args(run))?;
             if shown.trim().is_empty() {
                 bail!("the example `{example}` of {package} shows nothing");
             }

@@ -21,6 +21,8 @@ const MINIMAL: (&str, &str) = ("minimal", "src/bin/minimal.out");
 
 /// The whole BMS of a pack, on both sides.
 const OWN_PACK: &str = "own_pack";
+/// The same pack, recorded.
+const RECORDED: &str = "recorded";
 
 /// The vehicles of `sim`, with the features that choose them.
 const VEHICLES: &[(&str, &[&str])] = &[
@@ -90,7 +92,9 @@ pub fn firmware() -> Result<()> {
     run(firmware_cargo().args(["fmt", "--all", "--", "--check"]))?;
     let host = host()?;
     let strict = ["--", "-D", "warnings"];
-    run(firmware_cargo().args(["clippy", "--workspace", "--bins", "--locked"]).args(strict))?;
+    run(firmware_cargo()
+        .args(["clippy", "--workspace", "--bins", "--features", "recorder", "--locked"])
+        .args(strict))?;
     run(firmware_cargo()
         .args(["clippy", "-p", "voltstep-trace", "--all-targets", "--target", &host])
         .args(strict))?;
@@ -132,7 +136,37 @@ pub fn bits() -> Result<()> {
             );
         }
     }
-    own_pack()
+    own_pack()?;
+    recorded()
+}
+
+/// What the whole BMS was given, recorded there, is byte for byte what is recorded here, and
+/// `voltstep rewind` comes to the same bits with it.
+fn recorded() -> Result<()> {
+    let features = ["--features", "recorder"];
+    let example = ["run", "-q", "--release", "--locked", "-p", "voltstep-bms"];
+    let here = output(cargo().args(example).args(features).args(["--example", RECORDED]))?;
+    let file = crate::metadata::Metadata::load()?.target_directory()?.join("xtask-recorded.vsrc");
+    for (opt_level, processor, machine) in MACHINES {
+        let level = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
+        build(&[&["--bin", RECORDED], &features[..]].concat(), &level)?;
+        let there = qemu::run(machine, &binary(RECORDED)?, &[""; 0])?;
+        let at = format!("{RECORDED} at opt-level {opt_level} on {processor}");
+        ensure!(there.trim() == here.trim(), "{at}: other bytes than here");
+        fs::write(&file, bytes(there.trim())?).with_context(|| file.display().to_string())?;
+        let rewind = ["run", "-q", "--release", "--locked", "--", "rewind"];
+        let said = output(cargo().args(rewind).arg(&file))?;
+        ensure!(said.contains(": the same bits"), "{at}: {said}");
+        println!("{at}: {}", said.lines().next().unwrap_or_default());
+    }
+    Ok(())
+}
+
+/// The bytes of a text of hexadecimal digits.
+fn bytes(text: &str) -> Result<Vec<u8>> {
+    let pair = |at: usize| text.get(at..at + 2).and_then(|pair| u8::from_str_radix(pair, 16).ok());
+    let bytes: Option<Vec<u8>> = (0..text.len()).step_by(2).map(pair).collect();
+    bytes.filter(|bytes| !bytes.is_empty()).context("not hexadecimal digits")
 }
 
 /// The whole BMS of the example's pack says the same here and there.

@@ -73,7 +73,7 @@ pub const LONG: &[Part] = &[
     ),
     part(
         "mutants",
-        "changes plant-core in every place; tests notice 9 of 10 (VOLTSTEP_MUTANTS_SHARD)",
+        "changes plant-core and what protects in bms; tests notice 9 of 10 (VOLTSTEP_MUTANTS_SHARD, …_OF)",
         crate::mutants::mutants,
     ),
     part(

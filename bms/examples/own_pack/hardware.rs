@@ -42,6 +42,7 @@ const LINK: Link = must!(Link::new(
 const CONTACTOR: Contactor = must!(Contactor::new(ContactorParams::USUAL, TICK));
 
 /// A pack, its contactors and sensors.
+#[derive(Clone)]
 pub struct Hardware {
     pub milliseconds: u32,
     pack: SeriesPackState<14>,

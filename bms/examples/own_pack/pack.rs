@@ -22,7 +22,7 @@ const SHEET: PackSheet = PackSheet {
 // The map of the cell is one that `voltstep identify battery` has written.
 static PACK: Description =
     must!(Description::new(BmsParams::typical(SHEET, PANASONIC_NCR18650PF, 33.0)));
-const BMS: Bms<14, 4> = must!(Bms::new(&PACK));
+pub const BMS: Bms<14, 4> = must!(Bms::new(&PACK));
 
 impl Board<14, 4> for Hardware {
     fn uptime_us(&mut self) -> u64 {

@@ -62,9 +62,12 @@ pub struct BalancerInput<'a, const CELLS: usize> {
 /// The state of a [`Balancer`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct BalancerState<const CELLS: usize> {
     /// What each still has to lose \[A·s\].
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     to_bleed_as: [Accum; CELLS],
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     bleeding: [bool; CELLS],
     since: u16,
     odd: bool,

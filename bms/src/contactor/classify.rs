@@ -41,6 +41,7 @@ pub struct LinkTrend {
 /// The state of a [`LinkTrend`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct LinkTrendState {
     slow_v: Real,
 }

@@ -103,6 +103,7 @@ pub struct PrechargeInput {
 /// The state of a [`PrechargeWatch`]: one precharge, and the resistor's heat, which lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrechargeState {
     first_v: Real,
     bound_v: Real,

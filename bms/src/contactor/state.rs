@@ -5,6 +5,7 @@ use crate::protect::{Clear, Contactor, Faults, Id, PrechargeFault, Trip};
 /// Where the contactors are in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Phase {
     /// After a reset: nothing is known yet.
     Start,
@@ -37,6 +38,7 @@ pub enum Phase {
 /// Why the contactors opened, or may not close.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Cause {
     /// Nothing, or the request ended.
     #[default]
@@ -208,6 +210,7 @@ pub enum LinkClass {
 /// What a contactor's mirror contact shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Feedback {
     /// It could not be read.
     Unknown,
@@ -256,6 +259,7 @@ pub struct Coils {
 /// The state of a [`ContactorControl`](super::ContactorControl).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactorState {
     pub(super) phase: Phase,
     /// Steps in this phase.

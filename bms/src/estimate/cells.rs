@@ -92,6 +92,7 @@ pub struct Cells {
 /// with independent w, u of unit variance. In this form rounding cannot make a variance negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 struct Cell {
     /// State of charge above that of the pack.
     soc: Real,
@@ -107,6 +108,7 @@ struct Cell {
 /// The state of [`Cells`]; [`Cells::start`] makes one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct CellsState<const CELLS: usize> {
     pack_soc: Real,
     pack_soc_sd: Real,
@@ -120,6 +122,7 @@ pub struct CellsState<const CELLS: usize> {
     resistance_factor: Real,
     /// How many cells are held; where none is, what the cells say of it is old.
     held: usize,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     cells: [Cell; CELLS],
 }
 

@@ -89,6 +89,7 @@ pub struct CoulombCounter {
 /// state of charge can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct CoulombState {
     /// Since the last review: the sum of the currents but the last, and the last with what that sum
     /// has rounded away \[A\]; steps, and those of them without a reading. A sum that is compensated

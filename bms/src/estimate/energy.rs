@@ -79,6 +79,7 @@ pub struct EnergyGauge<'b> {
 /// The rolling averages of an [`EnergyGauge`]; at rest by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyState {
     /// Current \[A\], positive when discharging.
     pub average_a: Accum,
@@ -98,7 +99,7 @@ pub struct EnergyInput {
 /// What can be taken from here at a constant power.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Left {
     /// Charge \[A·h\].
     pub charge_ah: Real,
@@ -109,6 +110,7 @@ pub struct Left {
 /// How far [`EnergyGauge::walk`] has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyWalk {
     next: usize,
     left: [Left; DISCHARGES],
@@ -129,7 +131,7 @@ impl Default for EnergyWalk {
 /// Output of an [`EnergyGauge`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyReport {
     /// Charge left until empty \[A·h\], at the average power where it is discharged, else at that
     /// of a five-hour discharge (`RemainingCapacity` in mA·h).

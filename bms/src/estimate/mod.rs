@@ -14,7 +14,7 @@ use plant_core::Real;
 /// What is believed to be in a cell, or in a pack as one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// State of charge, 0..1.
     pub soc: Real,

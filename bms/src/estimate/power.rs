@@ -129,7 +129,7 @@ pub struct PowerLimits<'b> {
 /// What kept a current from being larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BoundBy {
     /// The largest current of the battery.
     Current,
@@ -146,7 +146,7 @@ pub enum BoundBy {
 /// What may be drawn, or charged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Allowance {
     /// Constant current \[A\], ≥ 0 in either direction.
     pub current_a: Real,
@@ -173,7 +173,7 @@ impl Allowance {
 /// What is allowed over one horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PowerAhead {
     /// How long it holds \[s\].
     pub horizon_s: Real,
@@ -186,6 +186,7 @@ pub struct PowerAhead {
 /// How far [`PowerLimits::walk`] or [`PowerLimits::walk_of_cells`] has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct PowerWalk {
     next: usize,
     /// Of cells in series, which is looked at.

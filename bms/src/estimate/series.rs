@@ -39,6 +39,7 @@ pub struct Series<'b> {
 /// The state of a [`Series`]; [`Series::resume`] makes one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct SeriesState<const CELLS: usize> {
     /// Of the filter.
     pub filter: EkfState,

@@ -47,6 +47,7 @@ pub struct LimiterParams {
 /// Why a limit is what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Limited {
     /// By what the cells allow.
     Cells,
@@ -71,6 +72,7 @@ pub enum Limited {
 /// A limit, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limit {
     /// The current \[A\], ≥ 0.
     pub current_a: Real,
@@ -85,6 +87,7 @@ impl Limit {
 /// The limits of a pack; those before the first step allow nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// What may be drawn.
     pub discharge: Limit,

@@ -3,6 +3,7 @@
 /// What somebody asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Request {
     /// Nobody is there, or has not been heard in time.
     #[default]
@@ -20,6 +21,7 @@ pub enum Request {
 /// What is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
     /// Open.
     #[default]

@@ -14,6 +14,7 @@ const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 /// What happened to a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Kind {
     /// It tripped.
     Tripped,
@@ -26,6 +27,7 @@ pub enum Kind {
 /// A picture of the moment; NaN where a value was not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Frame {
     /// Lowest and highest cell \[V\].
     pub cell_v: [Real; 2],
@@ -64,6 +66,7 @@ pub struct Frame {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Entry {
     /// Its number: one more with every entry, over the whole life.
     pub sequence: u32,
@@ -177,6 +180,11 @@ impl Entry {
             },
         })
     }
+}
+
+/// Whether a number comes after another, over the wrap to 0 too.
+pub(super) const fn later(sequence: u32, other: u32) -> bool {
+    sequence.wrapping_sub(other).cast_signed() > 0
 }
 
 /// Of all but the last word, which holds it.

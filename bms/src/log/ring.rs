@@ -2,7 +2,7 @@
 
 use heapless::Deque;
 
-use super::entry::{Entry, Frame, Kind};
+use super::entry::{Entry, Frame, Kind, later};
 use crate::protect::{Faults, Id, ROWS};
 
 /// How many entries are kept.
@@ -11,6 +11,7 @@ pub const KEPT: usize = 32;
 /// How often a row has tripped, and when.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Occurrences {
     /// How often, up to 65 535.
     pub count: u16,
@@ -25,11 +26,16 @@ pub struct Occurrences {
 /// What is to be stored is taken out by [`pending`](Self::pending) and [`stored`](Self::stored); an
 /// event that was overwritten before it could be stored is counted in [`lost`](Self::lost).
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Log {
     entries: Deque<Entry, KEPT>,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     occurrences: [Occurrences; ROWS],
     next: u32,
+    // What was stored is the product's matter.
+    #[cfg_attr(feature = "recorder", serde(skip))]
     stored: u32,
+    #[cfg_attr(feature = "recorder", serde(skip))]
     lost: u32,
 }
 
@@ -43,6 +49,18 @@ impl Log {
             next,
             stored: next,
             lost: 0,
+        }
+    }
+
+    /// Before the first event: numbers go on after the newest entry of a store, where that is later
+    /// than what the log was made with, as after a power cut.
+    pub fn follow(&mut self, newest: Option<u32>) {
+        if let Some(newest) = newest
+            && self.entries.is_empty()
+            && later(newest.wrapping_add(1), self.next)
+        {
+            self.next = newest.wrapping_add(1);
+            self.stored = self.next;
         }
     }
 

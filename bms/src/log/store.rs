@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use plant_core::ParamError;
 
-use super::entry::{Entry, EntryError, LENGTH};
+use super::entry::{Entry, EntryError, LENGTH, later};
 
 /// A ring of entries on a flash memory. An entry is written into erased memory and never touched
 /// again until its block is the oldest and is erased as a whole; so a cut at any moment loses the
@@ -145,9 +145,4 @@ impl<F: NorFlash> LogStore<F> {
         self.flash.read(self.offset + slot * Self::SLOT, &mut bytes).ok()?;
         Some(Entry::decode(&bytes))
     }
-}
-
-/// Whether a number comes after another, over the wrap to 0 too.
-const fn later(sequence: u32, other: u32) -> bool {
-    sequence.wrapping_sub(other).cast_signed() > 0
 }

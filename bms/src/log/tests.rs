@@ -157,6 +157,23 @@ fn the_ring_keeps_the_newest_and_counts_the_rest() {
 }
 
 #[test]
+fn numbers_go_on_after_what_is_stored() {
+    let next = |from: u32, newest: Option<u32>| {
+        let mut log = Log::new(from);
+        log.follow(newest);
+        log.write(Faults::NONE.with(Id::Pin), Kind::Tripped, 1, 0, FRAME);
+        // Too late: there is an event.
+        log.follow(Some(1000));
+        log.pending().map(|entry| entry.sequence)
+    };
+    assert_eq!(next(5, None), Some(5));
+    assert_eq!(next(5, Some(3)), Some(5), "the record is newer");
+    assert_eq!(next(5, Some(4)), Some(5));
+    assert_eq!(next(5, Some(7)), Some(8), "the store is newer");
+    assert_eq!(next(u32::MAX, Some(u32::MAX)), Some(0), "over the wrap");
+}
+
+#[test]
 fn the_store_goes_on_where_it_was() {
     let mut store = LogStore::new(Flash::new(), 0, 4).unwrap();
     assert_eq!((store.newest(), store.slots()), (None, 16));

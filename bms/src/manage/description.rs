@@ -5,7 +5,7 @@ use plant_core::error::{check, finite, not_negative, positive, ratio};
 use plant_core::{Dt, ParamError, Real};
 
 use crate::contactor::{ContactorParams, PrechargeParams};
-use crate::protect::{PackSheet, Table};
+use crate::protect::{PackSheet, Row, Table};
 
 /// How alike the cells are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,6 +198,15 @@ impl Description {
         }
         let battery = check!(MappedBattery::new(params.cell, check!(Dt::from_s(params.sample_s))));
         Ok(Self { params, table, battery })
+    }
+
+    /// The same with another row, which is checked by itself alone: to ask of a recording what would
+    /// have been.
+    ///
+    /// # Errors
+    /// [`ParamError`] as for [`Table::supposing`].
+    pub const fn supposing(self, row: Row) -> Result<Self, ParamError> {
+        Ok(Self { table: check!(self.table.supposing(row)), ..self })
     }
 
     /// What it was made from.

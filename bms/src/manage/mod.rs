@@ -14,7 +14,7 @@
 //!
 //! All that the hardware does is in a [`Board`]. What vehicle and charger ask for comes by
 //! [`Bms::request`]; what is known by [`Bms::report`]; what should survive a power cut by
-//! [`Bms::record`], only when worth a write. A [`Bus`] sends it over CAN and hears who asks. Time is measured, not assumed: what was missed is bridged
+//! [`Bms::record`], only when worth a write; the feature `recorder` keeps what it was given. A [`Bus`] sends it over CAN and hears who asks. Time is measured, not assumed: what was missed is bridged
 //! or, after a sleep, aged.
 //!
 //! The estimators work in the units of one cell; the report is in those of the pack.
@@ -27,6 +27,8 @@ mod derive;
 mod description;
 mod fast;
 mod record;
+#[cfg(feature = "recorder")]
+pub mod recorder;
 mod report;
 mod samples;
 mod slow;

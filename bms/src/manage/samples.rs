@@ -7,10 +7,13 @@ use crate::Measurements;
 
 /// Sums over one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Samples<const CELLS: usize> {
     current_as: Real,
     current_s: Real,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     cell_v: [Real; CELLS],
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     seen: [u8; CELLS],
     pub elapsed_s: Real,
 }

@@ -20,6 +20,7 @@ use crate::{Health, Measurements};
 
 /// What vehicle and charger ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Asked {
     /// The vehicle.
     pub vehicle: Request,
@@ -55,6 +56,7 @@ impl Asked {
 /// What a [`Bms`] remembers from call to call; [`Bms::start`] makes one.
 #[derive(Clone, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "independent flags")]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct BmsState<const CELLS: usize, const SENSORS: usize> {
     pub(super) now: Measurements<CELLS, SENSORS>,
     /// `None` before the first call.
@@ -95,8 +97,10 @@ pub struct BmsState<const CELLS: usize, const SENSORS: usize> {
     pub(super) rested_s: Real,
     pub(super) throughput_ah: Accum,
     pub(super) log: Log,
-    /// As of the last record.
+    /// As of the last record; what was stored is the product's matter, so a checkpoint leaves it out.
+    #[cfg_attr(feature = "recorder", serde(skip))]
     pub(super) recorded: Option<Record>,
+    #[cfg_attr(feature = "recorder", serde(skip))]
     pub(super) was_closed: bool,
 }
 
@@ -105,6 +109,12 @@ impl<const CELLS: usize, const SENSORS: usize> BmsState<CELLS, SENSORS> {
     #[must_use]
     pub const fn measurements(&self) -> &Measurements<CELLS, SENSORS> {
         &self.now
+    }
+
+    /// When the last call was, on the board's clock \[µs\]; `None` before the first.
+    #[must_use]
+    pub const fn uptime_us(&self) -> Option<u64> {
+        self.uptime_us
     }
 
     /// What the rows say.

@@ -1,121 +1,31 @@
-//! A simulated pack and a board around it.
+//! A simulated pack that is managed.
 
 extern crate std;
 
-use plant_core::battery::{MappedBattery, MappedBatteryInput, MappedBatteryState};
 use plant_core::presets::PANASONIC_NCR18650PF as CELL;
 
 use super::*;
 use crate::comm::can::{CellGroup, Command, LogReader, LogRequest, Message, Status};
-use crate::contactor::{Cause, Coils, Feedback, Phase};
+use crate::contactor::{Cause, Coils, Phase};
 use crate::estimate::ekf::EkfMemory;
 use crate::limit::{Limits, Request};
 use crate::protect::{Clear, EXAMPLE, Faults, Id, Level, Side, Trip};
 use crate::store::record::Record;
-use crate::{Health, Measurements, Reading, Real, must};
+use crate::{Health, Real, must};
 
-const CELLS: usize = 14;
+pub(super) const CELLS: usize = 14;
 const PARALLEL: Real = 20.0;
-static PACK: Description = must!(Description::new(BmsParams::typical(EXAMPLE, CELL, 33.0)));
-const BMS: Bms<CELLS, 4> = must!(Bms::new(&PACK));
+pub(super) static PACK: Description =
+    must!(Description::new(BmsParams::typical(EXAMPLE, CELL, 33.0)));
+pub(super) const BMS: Bms<CELLS, 4> = must!(Bms::new(&PACK));
 
-/// Cells that are alike, three contactors, a link with a resistor.
-struct Rig {
-    battery: MappedBattery,
-    cell: MappedBatteryState,
-    cell_v: Real,
-    link_v: Real,
-    coils: Coils,
-    us: u64,
-    tick_us: u64,
-    load_a: Real,
-    flags: Faults,
-    over_v: [Real; CELLS],
-    lost: bool,
-    bled: [bool; CELLS],
-    current_a: Real,
-}
+mod rig;
+pub(super) use rig::Rig;
 
-impl Rig {
-    fn new(soc: Real) -> Self {
-        let dt = Dt::from_s(0.001).unwrap();
-        let battery = MappedBattery::new(CELL, dt).unwrap();
-        let cell = battery.rested_at(soc, 25.0).unwrap();
-        Self {
-            battery,
-            cell,
-            cell_v: 3.7,
-            link_v: 0.0,
-            coils: Coils::default(),
-            us: 0,
-            tick_us: 1000,
-            load_a: 0.0,
-            flags: Faults::NONE,
-            over_v: [0.0; CELLS],
-            lost: false,
-            bled: [false; CELLS],
-            current_a: 0.0,
-        }
-    }
-}
+pub(super) type State = BmsState<CELLS, 4>;
 
-impl Board<CELLS, 4> for Rig {
-    fn uptime_us(&mut self) -> u64 {
-        self.us += self.tick_us;
-        self.us
-    }
-
-    fn measure(&mut self, into: &mut Measurements<CELLS, 4>) {
-        let Coils { minus, precharge, plus } = self.coils;
-        let pack_v = 14.0 * self.cell_v;
-        let (through_a, load_a) = match (minus, precharge, plus) {
-            (true, _, true) => {
-                self.link_v = pack_v;
-                (0.0, self.load_a)
-            }
-            (true, true, false) => ((pack_v - self.link_v) / 33.0, 0.0),
-            _ => (0.0, 0.0),
-        };
-        self.link_v += through_a * 0.001 / (0.04 / 33.0);
-        self.current_a = through_a + load_a;
-        let input = MappedBatteryInput { current_a: self.current_a / PARALLEL };
-        self.cell_v = self.battery.step(&mut self.cell, input).terminal_v;
-        if self.lost {
-            return;
-        }
-        for ((reading, over_v), bled) in into.cell_v.iter_mut().zip(self.over_v).zip(self.bled) {
-            // A bleed current in the wires.
-            *reading = Reading::new(self.cell_v + over_v - if bled { 0.02 } else { 0.0 });
-        }
-        into.temperature_c = [Reading::new(25.0); 4];
-        into.current_a = Reading::new(self.current_a);
-        into.pack_v = Reading::new(pack_v);
-        into.link_v = Reading::new(self.link_v);
-    }
-
-    fn feedback(&mut self) -> [Feedback; 3] {
-        let Coils { minus, precharge, plus } = self.coils;
-        [minus, precharge, plus].map(|on| if on { Feedback::Closed } else { Feedback::Open })
-    }
-
-    fn drive(&mut self, coils: Coils) -> bool {
-        self.coils = coils;
-        true
-    }
-
-    fn bleed(&mut self, cells: &[bool; CELLS]) {
-        self.bled = *cells;
-    }
-
-    fn flags(&mut self) -> Faults {
-        self.flags
-    }
-}
-
-type State = BmsState<CELLS, 4>;
-
-const OFF: Asked = Asked { vehicle: Request::Off, ..Asked::NOTHING };
-const DRIVE: Asked = Asked { vehicle: Request::Drive, ..Asked::NOTHING };
+pub(super) const OFF: Asked = Asked { vehicle: Request::Off, ..Asked::NOTHING };
+pub(super) const DRIVE: Asked = Asked { vehicle: Request::Drive, ..Asked::NOTHING };
 
 fn run(state: &mut State, rig: &mut Rig, ms: u32) {
     for _ in 0..ms {
@@ -146,7 +56,7 @@ fn driving(soc: Real) -> (State, Rig) {
     (state, rig)
 }
 
-fn record() -> Record {
+pub(super) fn record() -> Record {
     let health = Health::as_new(PACK.battery());
     Record { written_at_s: Some(100), ..Record::of(EkfMemory::UNKNOWN, health) }
 }
@@ -236,6 +146,42 @@ fn a_crash_opens_at_once() {
     BMS.request(&mut state, Asked { clear: Clear::Service, ..OFF });
     run(&mut state, &mut rig, 100);
     assert_eq!(state.contactors.phase(), Phase::Standby);
+}
+
+#[test]
+fn a_current_through_open_contactors_is_told() {
+    let (mut state, mut rig) = driving(0.5);
+    rig.load_a = 20.0;
+    run(&mut state, &mut rig, 2000);
+    assert!(state.verdict.tripped.is_empty(), "{:?}", state.verdict);
+    rig.load_a = 0.0;
+    BMS.request(&mut state, OFF);
+    until(&mut state, &mut rig, 10_000, |state| state.contactors.phase() == Phase::Standby);
+    rig.leak_a = 20.0;
+    let told =
+        until(&mut state, &mut rig, 1000, |state| state.verdict.tripped.has(Id::CurrentWhileOpen));
+    assert!(told >= 500, "{told}");
+    assert!(!state.verdict.permit);
+}
+
+/// The reports of a pack are those of its cells, series and parallel.
+#[test]
+fn what_is_left_is_that_of_the_pack() {
+    let (mut state, mut rig) = driving(0.5);
+    rig.load_a = 40.0;
+    run(&mut state, &mut rig, 5000);
+    let (report, of_cell) = (BMS.report(&state), state.energy_left.unwrap());
+    let energy = report.energy.unwrap();
+    for (of_pack, of_cell, times) in [
+        (energy.remaining_capacity_ah, of_cell.remaining_capacity_ah, 20.0),
+        (energy.full_charge_capacity_ah, of_cell.full_charge_capacity_ah, 20.0),
+        (energy.remaining_energy_wh, of_cell.remaining_energy_wh, 280.0),
+        (energy.full_charge_energy_wh, of_cell.full_charge_energy_wh, 280.0),
+        (energy.remaining_energy_sd_wh, of_cell.remaining_energy_sd_wh, 280.0),
+    ] {
+        assert!((of_pack / of_cell - times).abs() < 1e-3 && of_cell > 0.0, "{of_pack} {of_cell}");
+    }
+    assert!((report.capacity_ah / state.series.health.capacity_ah - 20.0).abs() < 1e-4);
 }
 
 #[test]

@@ -81,10 +81,13 @@ impl Default for Reading {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measurements<const CELLS: usize, const SENSORS: usize> {
     /// Voltage of each cell \[V\].
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     pub cell_v: [Reading; CELLS],
     /// Temperatures \[°C\].
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     pub temperature_c: [Reading; SENSORS],
     /// Pack current, positive when discharging \[A\].
     pub current_a: Reading,

@@ -40,6 +40,7 @@ pub struct Debounce {
 /// The state of a [`Debounce`]; the default has seen nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct DebounceState {
     bad: u16,
     good: u16,

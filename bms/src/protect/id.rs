@@ -3,6 +3,7 @@
 /// Below or above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Side {
     /// Below its limit is bad.
     Low,
@@ -13,6 +14,7 @@ pub enum Side {
 /// Which way the current flows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Flow {
     /// Out of the battery.
     Discharge,
@@ -23,6 +25,7 @@ pub enum Flow {
 /// How severe it is: the three limits of the field, each inside the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Level {
     /// Maximum operating limit: where use should end.
     Mol,
@@ -38,6 +41,7 @@ pub(super) const LEVELS: [Level; 3] = [Level::Mol, Level::Rsl, Level::Msl];
 /// A kind of sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Source {
     /// Voltages of the cells.
     Cell,
@@ -54,6 +58,7 @@ pub enum Source {
 /// One of the three contactors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Contactor {
     /// The main contactor at the negative pole.
     Minus,
@@ -66,6 +71,7 @@ pub enum Contactor {
 /// What a precharge can end in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum PrechargeFault {
     /// Current flows, the link does not rise.
     Short,
@@ -80,6 +86,7 @@ pub enum PrechargeFault {
 /// What a row watches: the family, and which of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Id {
     /// The lowest or highest cell \[V\].
     CellVoltage(Side, Level),
@@ -367,6 +374,7 @@ const _: () = {
 /// A set of rows, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Faults(u128);
 
 impl Faults {

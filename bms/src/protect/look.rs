@@ -39,6 +39,7 @@ pub(super) const fn taken(reading: &Reading, sensor: &Sensor, oldest_s: Real) ->
 /// What was seen of several readings of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Look {
     pub lowest: Real,
     pub highest: Real,
@@ -85,8 +86,11 @@ impl Look {
 /// should have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Moves<const N: usize> {
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     last: [Real; N],
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     moved: [bool; N],
     /// Of what shows it, where it was when this began.
     reference: Real,

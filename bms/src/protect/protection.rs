@@ -71,7 +71,9 @@ pub struct Protection<'t, const CELLS: usize, const SENSORS: usize> {
 /// The state of a [`Protection`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProtectionState<const CELLS: usize, const SENSORS: usize> {
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     rows: [DebounceState; ROWS],
     /// Rows that are not at rest: each of their samples counts.
     awake: Faults,
@@ -87,6 +89,7 @@ pub struct ProtectionState<const CELLS: usize, const SENSORS: usize> {
     last_temperatures: Look,
     cell_moves: Moves<CELLS>,
     temperature_moves: Moves<SENSORS>,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     slow_c: [Real; SENSORS],
     fastest_k_per_s: Real,
     last_fastest_k_per_s: Real,

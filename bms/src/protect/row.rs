@@ -35,6 +35,7 @@ pub enum Reaction {
 /// What the contactors are told, the stronger the later.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Trip {
     /// Nothing: go on.
     #[default]
@@ -63,6 +64,7 @@ impl Reaction {
 /// Who may end a fault whose cause is gone, the stronger the later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub enum Clear {
     /// Nobody needs to: it heals.
     No,

@@ -54,6 +54,7 @@ impl Signals<'_> {
 /// What the rows say together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verdict {
     /// What the contactors are told.
     pub trip: Trip,

@@ -73,6 +73,20 @@ impl Table {
         self.checked()
     }
 
+    /// The same, with the row checked by itself alone: to ask what would have been. Limits may lie
+    /// closer than a sensor can tell, which is nothing for a product.
+    ///
+    /// # Errors
+    /// [`ParamError`] names what is wrong with the row.
+    pub const fn supposing(mut self, row: Row) -> Result<Self, ParamError> {
+        let index = row.id.index() as usize;
+        if index >= ROWS {
+            return Err(ParamError::OutOfRange("row.id"));
+        }
+        self.rows[index] = row;
+        self.each_checked()
+    }
+
     /// Every row, in the order of [`Id::index`].
     #[must_use]
     pub const fn rows(&self) -> &[Row; ROWS] {
@@ -114,7 +128,7 @@ impl Table {
         (judgements + turn) * self.period_s(row)
     }
 
-    const fn checked(self) -> Result<Self, ParamError> {
+    const fn each_checked(self) -> Result<Self, ParamError> {
         let mut i = 0;
         while i < ROWS {
             let row = &self.rows[i];
@@ -137,6 +151,11 @@ impl Table {
             }
             i += 1;
         }
+        Ok(self)
+    }
+
+    const fn checked(self) -> Result<Self, ParamError> {
+        check!(self.each_checked());
         check!(self.apart(
             "sheet.voltage.absolute_min_v",
             [

@@ -70,6 +70,7 @@ use voltstep_bms::estimate::series::Series;
 use voltstep_bms::estimate::soh::{CapacityEstimator, Health, ResistanceEstimator};
 use voltstep_bms::limit::{self, Limiter};
 use voltstep_bms::log::{self, Entry, Log};
+use voltstep_bms::manage::recorder::Recorder;
 use voltstep_bms::manage::{self, Asked, BmsParams, Board, Bus, Description};
 use voltstep_bms::measure::{self, Reading, Spread};
 use voltstep_bms::protect::{
@@ -127,6 +128,7 @@ fn main() -> ! {
     protection();
     bus();
     whole();
+    recorded();
     controls();
     loop {
         cortex_m::asm::nop();
@@ -311,7 +313,7 @@ fn protection() {
         Cause::needs, Cause::code, Cause::at, Cause::faults, ContactorState::phase, ContactorState::cause,
         ContactorState::tries, ContactorState::coils, ContactorState::power_allowed,
         Limiter::new, Limiter::step, limit::arbitrate,
-        Entry::encode, Entry::decode, Log::new, Log::write, Log::newest, Log::entries, Log::occurrences, Log::pending,
+        Entry::encode, Entry::decode, Log::new, Log::follow, Log::write, Log::newest, Log::entries, Log::occurrences, Log::pending,
         Log::stored, Log::lost, LogStore::new, LogStore::newest, LogStore::slots, LogStore::entry,
         LogStore::append, LogStore::release,
         DebounceState::tripped, DebounceState::quiet, Debounce::step, Id::index, Id::at, Id::flow, Id::side,
@@ -320,7 +322,7 @@ fn protection() {
         ProtectionState::locked_by, ProtectionState::latched, ProtectionState::cell_extremes_v, ProtectionState::heat_share,
         ProtectionState::temperature_extremes_c, Protection::new, Protection::table, Protection::step,
         Reaction::trip, Seen::all, Seen::flag, Row::judge, PackSheet::sweep_s, Verdict::bars,
-        Verdict::derates, Table::new, Table::with, Table::rows, Table::row, Table::sheet, Table::period_s,
+        Verdict::derates, Table::new, Table::with, Table::supposing, Table::rows, Table::row, Table::sheet, Table::period_s,
         Table::longest_s,
     );
 }
@@ -349,12 +351,28 @@ fn bus() {
 fn whole() {
     keep!(
         BmsParams::typical, BmsParams::per_second, BmsParams::ticks_per_sample,
-        Description::new, Description::params, Description::table, Description::battery,
+        Description::new, Description::supposing, Description::params, Description::table, Description::battery,
         Bms::new, Bms::description, Bms::start, Bms::request, Bms::fast::<Idle>, Bms::filter::<Idle>,
         Bms::slow, Bms::tick::<Idle>, Bms::report, Bms::record, Bms::worth_keeping,
-        BmsState::measurements, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
+        BmsState::measurements, BmsState::uptime_us, BmsState::verdict, BmsState::contactors, BmsState::limits, BmsState::log, BmsState::log_mut, BmsState::series, Asked::heard,
         Bus::hear, Bus::asked, send_all as fn(&mut Bus, &Bms, &BmsState),
     );
+}
+
+#[rustfmt::skip]
+fn recorded() {
+    keep!(
+        Recorder::new::<CELLS, SENSORS>, Recorder::call::<CELLS, SENSORS, Idle>,
+        Recorder::checkpoint::<CELLS, SENSORS>, Recorder::freeze::<CELLS, SENSORS>, Recorder::calls,
+        write_all as fn(&Recorder, &Bms) -> bool,
+    );
+}
+
+/// What is written goes nowhere.
+fn write_all(recorder: &Recorder, bms: &Bms) -> bool {
+    Recorder::write(recorder, bms, |bytes| {
+        black_box(bytes);
+    })
 }
 
 /// What is sent goes nowhere.

@@ -16,6 +16,7 @@ mod experiment;
 mod identify;
 mod list;
 mod replay;
+mod rewind;
 mod serve;
 mod soc;
 mod steps;
@@ -53,6 +54,9 @@ enum Command {
     /// judge by the true cells what became of them; exit code 1 where a cell is harmed first, a fault is
     /// missed, or something trips without one
     Bms(bms::Arguments),
+    /// Run a recording of a BMS again, to the same bits and, with --set, beside it with another
+    /// threshold or parameter: would it have tripped? Exit code 1 where the bits differ
+    Rewind(rewind::Arguments),
     /// Find a model's parameters from measurements, each with its standard error
     Identify {
         #[command(subcommand)]
@@ -95,6 +99,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Experiment(arguments) => experiment::run(arguments),
         Command::Soc(arguments) => soc::run(arguments),
         Command::Bms(arguments) => bms::run(&arguments),
+        Command::Rewind(arguments) => rewind::run(&arguments),
         Command::Identify { what: Identify::Battery(arguments) } => identify::run(arguments),
         Command::Steps => steps::run(),
         Command::Endurance(arguments) => endurance::run(arguments),

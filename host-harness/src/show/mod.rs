@@ -12,6 +12,7 @@ pub(crate) mod honesty;
 pub(crate) mod identified;
 mod plot;
 pub(crate) mod progress;
+pub(crate) mod rewind;
 pub(crate) mod sheet;
 pub(crate) mod summary;
 pub(crate) mod table;

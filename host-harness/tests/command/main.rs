@@ -6,6 +6,7 @@ mod identify;
 mod measured;
 mod refusals;
 mod replays;
+mod rewind;
 mod soc;
 
 use std::collections::BTreeMap;

@@ -7,6 +7,7 @@ use super::Real;
 /// A step adds increments a million times smaller than the value; a plain f32 drops them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Accum {
     value: Real,
     lost: Real,

@@ -6,6 +6,7 @@
 //! | [`coulomb`] | the count's standard deviation covers what it does not know |
 //! | [`cells`] | so does that of each cell |
 //! | [`record`] | a torn write, a wrong bit, a power cut give the older record or none |
+//! | [`power_cut`] | nor does the whole BMS lose more than the running interval, at any step of a drive |
 //!
 //! [`draw`] makes up inputs. `PROPTEST_CASES` sets how many cases there are.
 #![allow(
@@ -19,4 +20,13 @@ mod cells;
 mod coulomb;
 mod draw;
 mod finite;
+mod flash;
+mod power_cut;
 mod record;
+
+// The pack of the example, and its board.
+#[path = "../../../bms/examples/own_pack/hardware.rs"]
+mod hardware;
+#[path = "../../../bms/examples/own_pack/pack.rs"]
+#[allow(dead_code, reason = "another loop drives it here")]
+mod pack;

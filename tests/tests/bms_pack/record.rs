@@ -1,9 +1,6 @@
 //! Whatever happens to a slot while it is written or later, the older record is read, or none:
 //! never a wrong one.
 
-use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
 use proptest::prelude::*;
 use voltstep_bms::estimate::ekf::Polarisation;
 use voltstep_bms::store::record::{
@@ -11,6 +8,7 @@ use voltstep_bms::store::record::{
 };
 
 use crate::draw::cases;
+use crate::flash::Flash;
 
 fn record() -> impl Strategy<Value = Record> {
     (
@@ -122,7 +120,7 @@ proptest! {
         records in prop::collection::vec((record(), 0..400_u32), 2..30),
         unreadable in any::<bool>(),
     ) {
-        let mut flash = Flash::new(unreadable);
+        let mut flash = Flash::new(512, unreadable);
         let mut last: Option<Record> = None;
         for (record, left) in records {
             flash.left = left;
@@ -154,7 +152,7 @@ fn refuses_slots_that_do_not_fit() {
         ([0, 512], false),
         ([u32::MAX - 127, 0], false),
     ] {
-        assert_eq!(RecordStore::new(Flash::new(false), offsets).is_ok(), fits, "{offsets:?}");
+        assert_eq!(RecordStore::new(Flash::new(512, false), offsets).is_ok(), fits, "{offsets:?}");
     }
 }
 
@@ -176,7 +174,7 @@ fn reports_a_memory_that_forgets() {
         lock_out_cause: 0,
         log_sequence: 0,
     };
-    let mut store = RecordStore::new(Flash::new(false), [0, 128]).unwrap();
+    let mut store = RecordStore::new(Flash::new(512, false), [0, 128]).unwrap();
     assert_eq!(store.load(), Found { newest: None, damaged: false });
     assert!(matches!(store.save(&Record { soc: 2.0, ..good }), Err(SaveError::Implausible(_))));
     store.save(&good).unwrap();
@@ -185,77 +183,4 @@ fn reports_a_memory_that_forgets() {
     let mut store = RecordStore::new(flash, [0, 128]).unwrap();
     assert_eq!(store.save(&Record { soc: 0.4, ..good }), Err(SaveError::NotVerified));
     assert_eq!(store.load().newest.unwrap().record, good);
-}
-
-/// A flash memory whose power fails after so many bytes, and which then may refuse to read the
-/// word that was being written.
-#[derive(Debug)]
-struct Flash {
-    bytes: [u8; 512],
-    left: u32,
-    torn: Option<usize>,
-    unreadable: bool,
-    forgets: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PowerCut;
-
-impl NorFlashError for PowerCut {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl Flash {
-    const fn new(unreadable: bool) -> Self {
-        Self { bytes: [0xff; 512], left: u32::MAX, torn: None, unreadable, forgets: false }
-    }
-
-    fn program(&mut self, at: usize, byte: u8) -> Result<(), PowerCut> {
-        if self.left == 0 {
-            self.torn = Some(at);
-            return Err(PowerCut);
-        }
-        self.left -= 1;
-        self.bytes[at] = byte;
-        Ok(())
-    }
-}
-
-impl ErrorType for Flash {
-    type Error = PowerCut;
-}
-
-impl ReadNorFlash for Flash {
-    const READ_SIZE: usize = 1;
-
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerCut> {
-        let range = offset as usize..offset as usize + bytes.len();
-        if self.unreadable && self.torn.is_some_and(|at| range.contains(&at)) {
-            return Err(PowerCut);
-        }
-        bytes.copy_from_slice(&self.bytes[range]);
-        Ok(())
-    }
-
-    fn capacity(&self) -> usize {
-        512
-    }
-}
-
-impl NorFlash for Flash {
-    const WRITE_SIZE: usize = 8;
-    const ERASE_SIZE: usize = 128;
-
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerCut> {
-        (from..to).try_for_each(|at| self.program(at as usize, 0xff))
-    }
-
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerCut> {
-        if self.forgets {
-            return Ok(());
-        }
-        bytes.iter().zip(offset as usize..).try_for_each(|(byte, at)| self.program(at, *byte))
-    }
 }

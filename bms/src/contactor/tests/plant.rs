@@ -184,6 +184,8 @@ fn amiss(
         Some("welded without a weld")
     } else if welded && starts {
         Some("a start with a welded contactor")
+    } else if after.since > 10 {
+        Some("a phase that outlasts every limit")
     } else {
         None
     }

@@ -232,3 +232,48 @@ fn currents_and_links_have_classes() {
     let bad = LinkTrendParams { noise_v: -1.0, ..params };
     assert_eq!(LinkTrend::new(bad, DT), Err(ParamError::Negative("link_trend.noise_v")));
 }
+
+/// Verdicts at their limits: after the lag and so many samples, by so much.
+#[test]
+fn verdicts_come_at_their_limits() {
+    let (lag, count) = (10, u32::from(PARAMS.count));
+    let ohm = PARAMS.resistor_ohm;
+    let until = |pack_v: Real, link_v: Real, current_a: Real| {
+        let mut state = WATCH.cold();
+        WATCH.begin(&mut state, 355.0, 0.0);
+        (1..1000).find_map(|step| {
+            match WATCH.step(&mut state, PrechargeInput { pack_v, link_v, current_a }) {
+                Watch::Wait => None,
+                watch => Some((watch, step)),
+            }
+        })
+    };
+    // The lag is over, then all samples are good; the last bit of the voltage and the current.
+    let done_v = PARAMS.done_v;
+    let still_a = done_v / ohm + PARAMS.noise_a;
+    assert_eq!(until(355.0, 355.0 - done_v, 0.0), Some((Watch::Done, lag + count)));
+    assert_eq!(until(355.0, 355.0 + done_v, 0.0), Some((Watch::Done, lag + count)));
+    assert_eq!(until(355.0, 355.0, 0.999 * still_a), Some((Watch::Done, lag + count)));
+    assert_eq!(until(355.0, 355.0, -0.999 * still_a), Some((Watch::Done, lag + count)));
+    assert_eq!(until(355.0, 355.0, 1.001 * still_a), None);
+    assert_ne!(until(355.0, 354.9 - done_v, 0.0).map(|(watch, _)| watch), Some(Watch::Done));
+    // A link that has risen by a twentieth is no short; a current of 0.3 of the expected one flows.
+    let last = |link_v: Real, share: Real, off_a: Real| {
+        let current_a = share * (355.0 - link_v) / ohm + off_a;
+        until(355.0, link_v, current_a).unwrap().0
+    };
+    assert_eq!(last(0.049 * 355.0, 1.0, 0.0), Watch::Short);
+    assert_eq!(last(0.051 * 355.0, 1.0, 0.0), Watch::Slow);
+    assert_eq!(last(0.0, 0.3, 0.9 * PARAMS.noise_a), Watch::Open);
+    assert_eq!(last(0.0, 0.3, 1.1 * PARAMS.noise_a), Watch::Short);
+    assert_eq!(last(0.0, -0.31, -PARAMS.noise_a), Watch::Short, "whatever its sign");
+    // One good sample, or one bad one, begins anew.
+    let mut state = WATCH.cold();
+    WATCH.begin(&mut state, 355.0, 0.0);
+    for step in 0..10 * (lag + count) {
+        let charged = step % count != 0;
+        let link_v = if charged { 355.0 } else { 0.0 };
+        let input = PrechargeInput { pack_v: 355.0, link_v, current_a: 0.0 };
+        assert_eq!(WATCH.step(&mut state, input), Watch::Wait, "{step}");
+    }
+}

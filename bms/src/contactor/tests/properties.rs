@@ -2,8 +2,8 @@
 //! himself: no property trusts a timer of the machine.
 
 use crate::contactor::{
-    Cause, Coils, ContactorControl, ContactorInput, ContactorState, CurrentClass, Feedback, Phase,
-    Watch,
+    Cause, Coils, ContactorControl, ContactorInput, ContactorState, CurrentClass, Feedback,
+    LinkClass, Phase, Watch,
 };
 use crate::protect::Trip;
 
@@ -88,6 +88,40 @@ impl Step<'_> {
             Phase::Start => c.start.max(c.open),
             Phase::Standby | Phase::Closed | Phase::Fault => 0,
         }
+    }
+
+    /// It leaves a phase for a reason that takes a time, before that time.
+    fn too_soon(&self) -> bool {
+        let (c, i) = (self.control, self.input);
+        let (from, to, cause) = (self.before.phase(), self.after.phase(), self.after.cause());
+        let (open, closed) = (Feedback::Open, Feedback::Closed);
+        let least = match (from, to) {
+            (Phase::Start, Phase::Fault) if self.before.cause() == Cause::None => match cause {
+                Cause::Welded => c.open,
+                _ => c.start,
+            },
+            (Phase::CloseMinus, Phase::Precharge) => c.settle,
+            (Phase::CloseMinus, _) if cause == Cause::MinusStuckOpen => c.close,
+            (Phase::Precharge, _) if cause == Cause::PrechargeSlow && i.watch != Watch::Slow => {
+                c.precharge
+            }
+            (Phase::ClosePlus, _) if cause == Cause::PlusStuckOpen => c.close,
+            (Phase::OpenPrecharge, _) if cause == Cause::PrechargeStuckClosed => c.open,
+            (Phase::OpenFirst, Phase::OpenSecond)
+                if i.feedback[2] != open && i.trip != Trip::Crash =>
+            {
+                c.open
+            }
+            (Phase::OpenSecond, Phase::WeldCheck) if i.feedback != [open; 3] => c.open,
+            (Phase::WeldCheck, Phase::Cooldown | Phase::Fault)
+                if i.link != LinkClass::Falling || i.feedback.contains(&closed) =>
+            {
+                c.weld
+            }
+            (Phase::Cooldown, Phase::Standby) => c.cooldown,
+            _ => return false,
+        };
+        from != to && self.known.phase + 1 < least
     }
 
     /// The first property that it breaks.
@@ -182,6 +216,7 @@ impl Step<'_> {
             ),
             (!lasts && now.phase >= self.longest(to), "no phase outlasts its limit"),
             (!lasts && from != to && now.phase != 0, "a timer begins with its phase"),
+            (self.too_soon(), "what has a time is not cut short, and nobody is accused before it"),
         ];
         rules.into_iter().find(|(broken, _)| *broken).map(|(_, why)| why)
     }

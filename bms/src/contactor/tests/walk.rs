@@ -76,7 +76,7 @@ pub fn every_input() -> Vec<ContactorInput> {
 type Node = (ContactorState, Bystander);
 
 pub struct Walk {
-    /// Each node, and whence and by which input it was reached first.
+    /// Each node, and whence and by which input it was reached first; those of a reset by themselves.
     nodes: Vec<(Node, usize, usize)>,
     /// What follows each.
     next: Vec<Vec<u32>>,
@@ -175,13 +175,17 @@ fn trace(
     };
     let mut lines = vec![line(&inputs[last.0], &last.1)];
     let mut back = at;
-    while back != 0 {
+    loop {
         let ((state, _), from, by) = &walk.nodes[back];
+        if *from == back {
+            lines.push(format!("\n  after a reset, cause {:?}", state.cause));
+            break;
+        }
         lines.push(line(&inputs[*by], state));
         back = *from;
     }
     lines.reverse();
-    format!("{} steps:{}", lines.len(), lines.concat())
+    format!("{} steps:{}", lines.len() - 1, lines.concat())
 }
 
 /// Breadth first, so that a counterexample is a shortest one.
@@ -192,10 +196,12 @@ pub fn walk(
 ) -> Result<Walk, String> {
     let mut found: HashMap<Node, u32> = HashMap::new();
     let mut walk = Walk { nodes: Vec::new(), next: Vec::new(), steps: 0 };
-    for cause in [Cause::None, Cause::Welded] {
+    // Whatever a record may say.
+    for cause in Cause::ALL {
         let first = (control.resume(cause), Bystander::default());
-        found.insert(first, u32::try_from(walk.nodes.len()).unwrap());
-        walk.nodes.push((first, 0, 0));
+        let root = walk.nodes.len();
+        found.insert(first, u32::try_from(root).unwrap());
+        walk.nodes.push((first, root, 0));
     }
     let mut at = 0;
     while at < walk.nodes.len() {
@@ -274,6 +280,8 @@ fn every_state_and_every_input_keeps_every_property() {
     assert_eq!(inputs.len(), 155_520);
     let walk = walk(&SHORT, &inputs, real).unwrap_or_else(|broken| panic!("{broken}"));
     report("short timers", &walk, inputs.len(), began);
+    // As the book says.
+    assert_eq!((walk.states(), walk.edges()), (546, 2076));
     // No dead state and no endless wait: from anywhere to rest and to drive.
     assert!(walk.longest_passage().is_ok());
     assert_eq!(walk.stranded_from(Phase::Standby), 0);
@@ -300,6 +308,7 @@ fn usual_timers_keep_every_property() {
     });
     let walk = walk(&USUAL, &inputs, real).unwrap_or_else(|broken| panic!("{broken}"));
     report("usual timers", &walk, inputs.len(), began);
+    assert_eq!(walk.states(), 24_759, "as the book says");
     assert!(walk.longest_passage().is_ok_and(|steps| steps < 2000));
     assert_eq!(walk.stranded_from(Phase::Standby), 0);
 }

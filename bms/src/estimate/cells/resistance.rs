@@ -70,10 +70,12 @@ pub struct CellResistances {
 /// The state of [`CellResistances`]; [`CellResistances::start`] makes one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct CellResistancesState<const CELLS: usize> {
     mean_ohm: Real,
     /// Variance of the mean and of each cell's difference \[Ω²\].
     variance_ohm2: Real,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     more_ohm: [Real; CELLS],
     last: Last<CELLS>,
 }
@@ -81,9 +83,11 @@ pub struct CellResistancesState<const CELLS: usize> {
 /// The last sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 struct Last<const CELLS: usize> {
     current_a: Real,
     mean_v: Real,
+    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     cell_v: [Real; CELLS],
     /// How many of them were readings; none before the first sample.
     seen: usize,

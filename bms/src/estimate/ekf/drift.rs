@@ -12,6 +12,7 @@ const HORIZON_S: Real = 3600.0;
 /// quantity that is not estimated, but whose correlation with the estimate is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Drift {
     of_soc: Real,
     /// Of the model's error \[V\].

@@ -14,6 +14,7 @@ const DISTRUST: Real = 0.003;
 /// The time without a current that is going on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Gap {
     /// How long it has lasted \[s\], and what it leaves open of the state of charge.
     seconds: Real,

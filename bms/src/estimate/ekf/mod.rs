@@ -157,6 +157,7 @@ pub struct Ekf {
 /// The state of an [`Ekf`]: made by one of its `start` functions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct EkfState {
     /// State of charge at the last refresh, and its rise since then.
     soc_before: Accum,

@@ -27,6 +27,7 @@ const FAR_SOC: Real = 0.01;
 /// What the changes have come to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reaction {
     /// How many changes, each counting less with every later one; the sum of the squares of what the
     /// voltage did and the model did not expect \[V²\], and of what this should be, likewise.

@@ -24,6 +24,7 @@ const LEAST_LEARNT: Real = 0.01;
 /// Mean square of the model's error over the charge that has moved \[Mehra1970\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Size {
     /// As it is estimated, and what that should be: what of its variance the voltage has taken away
     /// \[V²\]. Negative before the first.

@@ -24,6 +24,7 @@ const HALF_ROOT: Real = 0.707_106_77;
 /// Where a slope was taken, and what has been learnt with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slope {
     /// State of charge and its standard deviation there; a negative standard deviation asks for
     /// another one.

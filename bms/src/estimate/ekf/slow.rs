@@ -39,6 +39,7 @@ pub(super) const TEMPERATURES_C: core::ops::RangeInclusive<Real> = -100.0..=200.
 /// What changes slowly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slow {
     /// Mean magnitude of the current \[A\]; negative before the first step.
     pub(super) load_a: Real,

@@ -29,6 +29,7 @@ const LARGEST_SQUARE: Real = 100.0;
 /// this should have had: that by which it has reduced the variance of the state of charge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Trust {
     sum: Real,
     variance: Real,

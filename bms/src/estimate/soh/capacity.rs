@@ -125,6 +125,7 @@ pub struct CapacityEstimator {
 /// [`CapacityEstimator::known`] make one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct CapacityState {
     sums: Sums,
     /// As a share of the nominal.
@@ -137,6 +138,7 @@ pub struct CapacityState {
 /// Change of the state of charge, charge as a share of the nominal capacity, and their variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 struct Pair {
     x: Real,
     y: Real,
@@ -341,6 +343,7 @@ const SMALLEST_VARIANCE: Real = 1e-10;
 /// over the variance of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 struct Sums {
     c: [Real; 6],
 }

@@ -121,6 +121,7 @@ pub struct ResistanceEstimator<'b> {
 /// [`ResistanceEstimator::known`] make one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 pub struct ResistanceState {
     factor: Real,
     variance: Real,
@@ -142,6 +143,7 @@ pub struct ResistanceState {
 /// What the next sample is compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "recorder", derive(serde::Serialize, serde::Deserialize))]
 struct Sample {
     voltage_v: Real,
     current_a: Real,

@@ -190,3 +190,26 @@ fn the_continuous_current_follows_the_temperature() {
     assert!(tripped(25.0, 145.0) && tripped(-15.0, 75.0));
     assert!(tripped(-30.0, 8.0));
 }
+
+/// What is left of a short current: the charge of the squared current beyond the continuous one.
+#[test]
+fn the_heat_of_a_current_is_counted() {
+    let mut state = State::NEW;
+    let mut scene = Scene::healthy();
+    scene.settle(&mut state);
+    assert_eq!(state.heat_share(&TABLE, Flow::Discharge), 0.0);
+    scene.now.current_a.value = 280.0;
+    for _ in 0..5000 {
+        scene.step(&mut state);
+    }
+    let share = state.heat_share(&TABLE, Flow::Discharge);
+    assert!((share - 0.5).abs() < 0.02, "half of ten seconds: {share}");
+    assert_eq!(state.heat_share(&TABLE, Flow::Charge), 0.0);
+    scene.now.current_a.value = -100.0;
+    for _ in 0..2500 {
+        scene.step(&mut state);
+    }
+    let share = state.heat_share(&TABLE, Flow::Charge);
+    assert!((share - 0.25).abs() < 0.02, "{share}");
+    assert!(state.heat_share(&TABLE, Flow::Discharge) < 0.5, "it cools");
+}

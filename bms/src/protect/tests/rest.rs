@@ -17,13 +17,19 @@ impl Dice {
 /// Something that happens to a pack: a row's event, a value near a threshold, a reading that is missing.
 fn happens(dice: &mut Dice, scene: &mut Scene, state: &mut State) {
     let one = |dice: &mut Dice| Id::at(u8::try_from(dice.below(84)).unwrap()).unwrap();
-    match dice.below(5) {
+    match dice.below(6) {
         0 => *scene = Scene::healthy(),
         1 => scene.now.current_a.valid = dice.below(2) == 0,
         2 => {
             scene.now.cell_v[3] = if dice.below(2) == 0 { Reading::NONE } else { Reading::new(3.7) }
         }
+        // Warm cells leave a share of the current.
         3 => {
+            scene.now.temperature_c[1].value = [46.0, 50.0, 55.0][dice.below(3) as usize];
+            scene.now.current_a.value = [70.0, 100.0, 130.0, -30.0][dice.below(4) as usize];
+            scene.signals.second_current_a = scene.now.current_a.value;
+        }
+        4 => {
             let id = one(dice);
             scene.plant(id, state);
             // On either side of the threshold, by less than anybody could measure.

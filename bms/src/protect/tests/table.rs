@@ -8,7 +8,7 @@ use super::scene::TABLE;
 use crate::estimate::power::TemperatureWindow;
 use crate::protect::{
     Actuators, CellSheet, Clear, Currents, Debounce, EXAMPLE, Faults, Flow, Id, Layout, Level,
-    PackSheet, Protection, ROWS, Reaction, Row, Sensing, Sensor, Side, Table, VoltageWindow,
+    Pace, PackSheet, Protection, ROWS, Reaction, Row, Sensing, Sensor, Side, Table, VoltageWindow,
 };
 use crate::{ParamError, Real};
 
@@ -53,6 +53,11 @@ fn limits_follow_from_the_sheet() {
         at(Id::PackVoltage(Side::High)),
         14.0 * at(Id::CellVoltage(Side::High, Level::Msl)) + 0.2
     );
+    // Where a sensor cannot tell a tenth apart: 100 + 8 + 2 × (8 + 1.2) A.
+    let current_a = Sensor { error: 8.0, ..EXAMPLE.sensing.current_a };
+    let coarse = PackSheet { sensing: Sensing { current_a, ..EXAMPLE.sensing }, ..EXAMPLE };
+    let coarse = Table::new(coarse).unwrap().row(Id::Current(Flow::Charge, Level::Msl)).threshold;
+    assert!((coarse - 126.4).abs() < 1e-4, "{coarse}");
     let heat = 10.0 * (280.0 * 280.0 - 140.0 * 140.0);
     assert_eq!(at(Id::Heat(Flow::Discharge)), heat);
 }
@@ -218,4 +223,127 @@ fn a_table_of_another_pack_is_refused() {
     let error = ParamError::LengthsDiffer("layout.series");
     assert_eq!(Protection::<13, 4>::new(&TABLE).err(), Some(error));
     assert_eq!(Protection::<14, 0>::new(&TABLE).err(), Some(error));
+}
+
+/// Threshold, hysteresis, count, delay and pace of each row of the example, worked out by hand from its
+/// sheet, in the order of the ids.
+///
+/// A safety limit lies within the absolute one by three errors of the sensor and what the quantity
+/// moves until the contactors are open: 20 × 1.4 V × 14 A / 5 A·h = 0.021778 V/s,
+/// (14 A)² × 0.06 Ω / 65 J/K = 0.180923 K/s, over 0.1 s and 1 s of detection, 0.05 s of waiting and 0.02 s of
+/// opening; the middle limit is the mean. A sweep is 20 ticks of 1 ms, one of its judgements is kept
+/// for its turn. Stale: what 1.5 periods and a tick leave of 100 ms.
+const BY_HAND: [(Real, Real, u16, u16, Pace); ROWS] = {
+    use Pace::{Sweep as S, Tick as T};
+    [
+        (2.8, 0.002, 4, 0, S),
+        (2.654_851, 0.002, 4, 0, S),
+        (2.509_702, 0.002, 4, 0, S),
+        (4.2, 0.002, 4, 0, S),
+        (4.220_149, 0.002, 4, 0, S),
+        (4.240_298, 0.002, 4, 0, S),
+        (-10.0, 0.2, 49, 0, S),
+        (-13.5, 0.2, 49, 0, S),
+        (-17.0, 0.2, 49, 0, S),
+        (45.0, 0.2, 49, 0, S),
+        (50.903_206, 0.2, 49, 0, S),
+        (56.8064, 0.2, 49, 0, S),
+        (10.0, 0.2, 49, 0, S),
+        (6.5, 0.2, 49, 0, S),
+        (3.0, 0.2, 49, 0, S),
+        (45.0, 0.2, 49, 0, S),
+        (48.403_206, 0.2, 49, 0, S),
+        (51.8064, 0.2, 49, 0, S),
+        // 20 × 7 A; 20 × 14 A and the error; a tenth of the 280 A more.
+        (140.0, 1.2, 20, 0, T),
+        (282.0, 1.2, 20, 0, T),
+        (310.0, 1.2, 20, 0, T),
+        (50.0, 1.2, 20, 0, T),
+        (102.0, 1.2, 20, 0, T),
+        (112.0, 1.2, 20, 0, T),
+        // Twice 280 A, at most 0.9 of what is shown.
+        (540.0, 1.2, 2, 0, T),
+        (200.0, 1.2, 2, 0, T),
+        // 10 s × (280² − 140²) A².
+        (588_000.0, 58_800.0, 2, 0, T),
+        (75_000.0, 7_500.0, 2, 0, T),
+        // 14 cells, and the pack's own error.
+        (34.9358, 0.08, 100, 0, T),
+        (59.5642, 0.08, 100, 0, T),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 97, 0, T),
+        (0.5, 0.0, 96, 0, T),
+        (0.5, 0.0, 96, 0, T),
+        (0.5, 0.0, 4, 0, S),
+        (0.5, 0.0, 4, 0, S),
+        (0.5, 0.0, 100, 0, T),
+        (0.5, 0.0, 100, 0, T),
+        (0.5, 0.0, 100, 0, T),
+        // The machine of the contactors has waited already.
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (500.0, 50.0, 49, 0, S),
+        (300.0, 30.0, 49, 0, S),
+        (100.0, 10.0, 49, 0, S),
+        (2.0, 0.002, 4, 0, S),
+        (3.2, 1.2, 100, 500, T),
+        (570.0, 1.2, 2, 0, T),
+        // 14 × 2 mV + 0.2 V + 2 × 80 mV, for half a second; 0.2 V + 0.2 V likewise.
+        (0.388, 0.08, 2, 25, S),
+        (0.56, 0.08, 2, 500, T),
+        (5.2, 1.2, 2, 500, T),
+        // A tenth of 1.4 V, for 10 s.
+        (0.14, 0.002, 2, 500, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.14, 0.002, 2, 500, S),
+        (15.0, 0.2, 2, 500, S),
+        // Three times what the current explains, and two hysteresises in 10 s.
+        (0.582_769, 0.02, 49, 0, S),
+        (0.4, 0.1, 2, 0, S),
+        (0.5, 0.0, 2, 0, T),
+        (0.5, 0.0, 1, 0, T),
+        (0.5, 0.0, 100, 0, T),
+        (0.5, 0.0, 2, 0, T),
+        (0.5, 0.0, 2, 0, T),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, T),
+        (0.5, 0.0, 2, 0, T),
+        (0.5, 0.0, 2, 0, T),
+        (2.0, 0.5, 2, 0, T),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, T),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+        (0.5, 0.0, 2, 0, S),
+    ]
+};
+
+#[test]
+fn the_example_is_as_worked_out_by_hand() {
+    for (row, (threshold, hysteresis, count, delay, pace)) in TABLE.rows().iter().zip(BY_HAND) {
+        let near = |a: Real, b: Real| (a - b).abs() <= 2e-6 * b.abs().max(0.5);
+        assert!(near(row.threshold, threshold), "{row:?}, not {threshold}");
+        assert!(near(row.hysteresis, hysteresis), "{row:?}, not {hysteresis}");
+        // A second heals, a missing sample counts where nothing but its coming is watched.
+        let heal = if pace == Pace::Tick { 1000 } else { 50 };
+        let missing = matches!(row.id, Id::Stale(_) | Id::Insulation(Level::Mol));
+        let debounce = Debounce { count, delay, heal, missing: u8::from(missing) };
+        assert_eq!((row.debounce, row.pace), (debounce, pace), "{:?}", row.id);
+        let (period_s, turn) = if pace == Pace::Tick { (0.001, 0.0) } else { (0.02, 1.0) };
+        let longest_s = (Real::from(count) + Real::from(delay) + turn) * period_s;
+        assert!((TABLE.longest_s(row) - longest_s).abs() < 1e-5, "{row:?}");
+    }
 }

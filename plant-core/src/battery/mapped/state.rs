@@ -5,6 +5,7 @@ use crate::num::{Accum, Real};
 /// The resistances at an operating point \[Ω\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resistances {
     /// In series.
     pub series_ohm: Real,
