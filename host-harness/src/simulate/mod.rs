@@ -10,6 +10,7 @@ pub mod progress;
 pub mod replay;
 pub mod route;
 pub mod run;
+mod smooth;
 pub mod statistics;
 pub mod summary;
 pub mod synthetic;
