@@ -1,7 +1,7 @@
 //! Measurements made smooth: by a Gaussian over time, or along the road.
 
 /// Where a Gaussian ends \[standard deviations\].
-const REACH: f64 = 3.0;
+pub const REACH: f64 = 3.0;
 /// Heights are taken together over this share of the standard deviation.
 const CELL: f64 = 1.0 / 30.0;
 /// More cells than this are no road \[–\].

@@ -41,6 +41,9 @@ const WARM_UP_M: f64 = 2500.0;
 /// Temperatures for which the rolling resistance is told \[°C\].
 const TOLD_C: [f64; 3] = [0.0, 15.0, 30.0];
 
+/// The name of the base load.
+const BASE: &str = "base_w";
+
 /// What is known beforehand.
 #[derive(Clone, Debug)]
 pub struct VehicleOptions {
@@ -280,7 +283,7 @@ fn named(found: &Found) -> Vec<(String, f64)> {
     ];
     all.extend(TOLD_C.map(|c| (format!("rolling_at_{c:.0}_c_n"), found.rolling.at(c))));
     all.extend([
-        ("base_w".to_owned(), found.base_w),
+        (BASE.to_owned(), found.base_w),
         ("loss_w_per_nm2".to_owned(), squared),
         ("loss_w_per_nm".to_owned(), size),
         ("loss_w_s2_per_rad2".to_owned(), speed),
@@ -308,6 +311,9 @@ fn jackknife(found: &Found, without: &[Found]) -> Vec<Parameter> {
                 .filter_map(|s| s.iter().find(|(other, _)| *other == name).map(|(_, v)| *v))
                 .collect();
             let mean = of.iter().sum::<f64>() / n;
+            if name == BASE {
+                return Parameter { name, value, standard_error: found.base_error_w };
+            }
             let squares: f64 = of.iter().map(|v| (v - mean).powi(2)).sum();
             Parameter { name, value, standard_error: ((n - 1.0) / n * squares).sqrt() }
         })

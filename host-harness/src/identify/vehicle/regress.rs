@@ -4,7 +4,7 @@ use anyhow::{Context, ensure};
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix4, Vector4};
 use plant_core::num::GRAVITY_M_S2;
 
-use super::samples::{Known, OnRoad, Prepared};
+use super::samples::{Known, OfDrive, OnRoad, Prepared};
 use crate::identify::fit;
 
 /// Each pass takes the torque that the one before it expects: a torque that wind or a wrong height
@@ -17,7 +17,7 @@ const TELLING_K: f64 = 5.0;
 /// Where the rolling resistance is the vehicle's own \[°C\].
 pub const REFERENCE_C: f64 = 15.0;
 /// The strongest torque with a released pedal, as a share of the samples at a speed.
-const STRONGEST: f64 = 0.02;
+const STRONGEST: f64 = 0.05;
 /// Samples are taken together over this speed \[m/s\]; fewer than so many tell nothing.
 const BIN_M_S: f64 = 0.5;
 const LEAST_IN_BIN: usize = 40;
@@ -39,6 +39,8 @@ pub struct Found {
     pub rolling: Rolling,
     /// Drawn at standstill beside the auxiliary loads \[W\].
     pub base_w: f64,
+    /// Its standard error: of a median, which leaving one trip out does not tell \[W\].
+    pub base_error_w: f64,
     /// Losses per squared torque \[W/(N·m)²\], per torque \[W/(N·m)\], per squared speed
     /// \[W·s²\], while moving \[W\].
     pub losses: [f64; 4],
@@ -87,15 +89,17 @@ impl Found {
     /// # Errors
     /// They do not tell a vehicle.
     pub fn from(trips: &[&Prepared], known: &Known) -> anyhow::Result<Self> {
-        let base_w = base(trips).unwrap_or(known.base_w);
+        let (base_w, base_error_w) = base(trips).unwrap_or((known.base_w, f64::NAN));
         let losses = losses(trips, base_w)?;
-        let [mass_kg, drag_area_m2, warm_up_n, gear_loss] = road(trips, known)?;
+        let viscous = losses[2];
+        let [mass_kg, drag_area_m2, warm_up_n, gear_loss] = road(trips, viscous, known)?;
         ensure!(mass_kg > 0.0, "the trips tell no mass ({mass_kg:.0} kg)");
         let forces: Vec<(Option<f64>, f64)> = (trips.iter())
             .filter_map(|trip| {
                 let (mut sum, mut weights) = (0.0, 0.0);
                 for s in &trip.road {
-                    let [inertia, pressure, cold, gear] = regressors(s, s.torque_size_nm, known);
+                    let [inertia, pressure, cold, gear] =
+                        regressors(s, size_nm(s, viscous, known), known);
                     let rest = force(s, known)
                         - mass_kg * inertia
                         - drag_area_m2 * pressure
@@ -116,6 +120,7 @@ impl Found {
             warm_up_n,
             rolling,
             base_w,
+            base_error_w,
             losses,
             regeneration: regeneration(trips, known),
             unexplained_n,
@@ -125,37 +130,47 @@ impl Found {
     /// How far the battery's energy is from what torque, speed, auxiliary and base load explain, as
     /// a share of what it exchanged: the measurement against itself.
     pub fn unexplained_energy(&self, trip: &Prepared) -> f64 {
-        let [squared, size, speed, moving] = self.losses;
         let (mut sum, mut all) = (0.0, 0.0);
         for s in &trip.drive {
-            sum += s.rest_w
-                - self.base_w
-                - squared * s.torque_squared
-                - size * s.torque_size_nm
-                - speed * s.speed_squared
-                - moving * s.moving;
+            let lost: f64 = (OfLosses::new(s, self.losses[2]).0.iter())
+                .zip(self.losses)
+                .map(|(x, loss)| x * loss)
+                .sum();
+            sum += s.rest_w - self.base_w - lost;
             all += s.battery_w.abs();
         }
         sum.abs() / all
     }
 }
 
-/// The median over trips of what each draws at standstill.
-fn base(trips: &[&Prepared]) -> Option<f64> {
+/// The median over trips of what each draws at standstill, and its standard error.
+fn base(trips: &[&Prepared]) -> Option<(f64, f64)> {
     let mut medians: Vec<f64> = trips.iter().filter_map(|t| t.standing_w).collect();
     medians.sort_unstable_by(f64::total_cmp);
-    let n = medians.len();
-    let middle = medians.get(n / 2)?;
-    let below = medians.get((n - 1) / 2)?;
-    Some((0.5 * (middle + below)).max(0.0))
+    let count = medians.len();
+    let middle = medians.get(count / 2)?;
+    let below = medians.get(count.checked_sub(1)? / 2)?;
+    #[expect(clippy::cast_precision_loss, reason = "a count")]
+    let n = count as f64;
+    let mean = medians.iter().sum::<f64>() / n;
+    let variance = medians.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    // Of a normal distribution a median scatters by √(π/2) more than a mean.
+    let error = (0.5 * std::f64::consts::PI * variance / n).sqrt();
+    Some(((0.5 * (middle + below)).max(0.0), error))
 }
 
-/// The drive's losses: least squares, none below zero.
+/// The drive's losses: least squares, none below zero. Its winding makes what friction takes from the
+/// shaft too, so that the first pass finds the friction for the second.
 fn losses(trips: &[&Prepared], base_w: f64) -> anyhow::Result<[f64; 4]> {
+    let first = losses_with(trips, base_w, 0.0)?;
+    losses_with(trips, base_w, first[2])
+}
+
+fn losses_with(trips: &[&Prepared], base_w: f64, viscous: f64) -> anyhow::Result<[f64; 4]> {
     let mut matrix = DMatrix::zeros(4, 4);
     let mut goal = DVector::zeros(4);
     for s in trips.iter().flat_map(|t| &t.drive).filter(|s| s.moving > 0.0) {
-        let x = Vector4::new(s.torque_squared, s.torque_size_nm, s.speed_squared, s.moving);
+        let x = OfLosses::new(s, viscous).0;
         let y = s.rest_w - base_w;
         for i in 0..4 {
             for j in 0..4 {
@@ -167,6 +182,24 @@ fn losses(trips: &[&Prepared], base_w: f64) -> anyhow::Result<[f64; 4]> {
     let found = fit::non_negative(&matrix, &goal, &[0, 1, 2, 3])
         .context("the trips tell no losses of the drive")?;
     Ok([found[0], found[1], found[2], found[3]])
+}
+
+/// What stands beside the losses.
+struct OfLosses([f64; 4]);
+
+impl OfLosses {
+    /// With a friction at the shaft of `viscous` \[N·m·s\].
+    fn new(s: &OfDrive, viscous: f64) -> Self {
+        let squared =
+            s.torque_squared + 2.0 * viscous * s.power_w + viscous * viscous * s.speed_squared;
+        let size = s.torque_size_nm + viscous * s.signed_speed_rad_s;
+        Self([squared, size, s.speed_squared, s.moving])
+    }
+}
+
+/// The size of the torque that the winding makes, friction included \[N·m\].
+fn size_nm(s: &OnRoad, viscous: f64, known: &Known) -> f64 {
+    s.torque_size_nm + viscous * known.rad_per_m * s.speed_m_s * s.torque_nm.signum()
 }
 
 /// What stands beside mass, drag area, cold tyres and loss of the gear.
@@ -186,7 +219,7 @@ fn force(s: &OnRoad, known: &Known) -> f64 {
 
 /// Mass, drag area, force of cold tyres, loss of the gear: from changes within each trip, so that
 /// what differs between trips (wind, load, tyres) does not enter.
-fn road(trips: &[&Prepared], known: &Known) -> anyhow::Result<[f64; 4]> {
+fn road(trips: &[&Prepared], viscous: f64, known: &Known) -> anyhow::Result<[f64; 4]> {
     let mut found: Option<Vector4<f64>> = None;
     for _ in 0..PASSES {
         let mut matrix = Matrix4::zeros();
@@ -199,14 +232,17 @@ fn road(trips: &[&Prepared], known: &Known) -> anyhow::Result<[f64; 4]> {
             }
             let constant_n = found.map_or(0.0, |p| {
                 let rest = |s: &OnRoad| {
-                    force(s, known) - p.dot(&Vector4::from(regressors(s, s.torque_size_nm, known)))
+                    force(s, known)
+                        - p.dot(&Vector4::from(regressors(s, size_nm(s, viscous, known), known)))
                 };
                 trip.road.iter().map(rest).sum::<f64>() / n
             });
             let rows: Vec<(Vector4<f64>, f64)> = (trip.road.iter())
                 .map(|s| {
-                    let size =
-                        found.map_or(s.torque_size_nm, |p| expected(s, &p, constant_n, known));
+                    let size = found.map_or_else(
+                        || size_nm(s, viscous, known),
+                        |p| expected(s, &p, constant_n, viscous, known),
+                    );
                     (Vector4::from(regressors(s, size, known)), force(s, known))
                 })
                 .collect();
@@ -232,13 +268,14 @@ fn road(trips: &[&Prepared], known: &Known) -> anyhow::Result<[f64; 4]> {
 }
 
 /// The size of the torque that what was found so far expects.
-fn expected(s: &OnRoad, p: &Vector4<f64>, constant_n: f64, known: &Known) -> f64 {
+fn expected(s: &OnRoad, p: &Vector4<f64>, constant_n: f64, viscous: f64, known: &Known) -> f64 {
     let [inertia, pressure, cold, _] = regressors(s, 0.0, known);
     let force_n = p[0] * inertia
         + known.turning_kg * s.acceleration_m_s2
         + p[1] * pressure
         + p[2] * cold
-        + constant_n;
+        + constant_n
+        + viscous * known.rad_per_m.powi(2) * s.speed_m_s;
     let through = if force_n > 0.0 { 1.0 - p[3] } else { 1.0 + p[3] };
     (force_n / (known.rad_per_m * through)).abs()
 }

@@ -7,6 +7,7 @@ use plant_core::powertrain::DriveParams;
 use crate::read::trip::{Trip, mean};
 use crate::read::vehicle::Vehicle;
 use crate::simulate::route::{Route, distances};
+use crate::simulate::smooth;
 
 /// Windows of the road's forces and of the drive's losses \[s\].
 const ROAD_S: f64 = 1.0;
@@ -17,6 +18,8 @@ const GAP_S: f64 = 2.0;
 const ROLLING_M_S: f64 = 0.5;
 /// Below this share the pedal is not pressed.
 const RELEASED: f64 = 0.01;
+/// A brake that is not seen to act acts no more after this \[s\].
+const SETTLED_S: f64 = 0.2;
 /// Fewer samples at standstill tell no base load.
 const LEAST_STANDING: usize = 20;
 
@@ -95,6 +98,9 @@ pub struct OfDrive {
     pub torque_squared: f64,
     pub torque_size_nm: f64,
     pub speed_squared: f64,
+    /// Torque times speed, and speed with the torque's sign.
+    pub power_w: f64,
+    pub signed_speed_rad_s: f64,
     /// Share of the time in which the car moves.
     pub moving: f64,
     pub battery_w: f64,
@@ -121,11 +127,14 @@ impl Prepared {
     pub fn new(trip: Trip, vehicle: &Vehicle, known: &Known) -> Self {
         let trip = trip.without_frozen();
         let screened = trip.screened();
-        let mut doubts = trip.unfit(f64::from(vehicle.powertrain.battery.capacity_ah()));
-        doubts.extend(screened.doubts);
+        let doubts = trip.marked(f64::from(vehicle.powertrain.battery.capacity_ah()));
         let route = Route::of_trip_for(&trip, vehicle);
         let speed: Vec<f64> = route.rows.iter().map(|r| r.speed_m_s).collect();
         let distance = distances(&trip.time_s, &speed);
+        // As the speed was, so that neither lags or is flatter than the other.
+        let smoothing_s = vehicle.trips.as_ref().map_or(0.0, |t| t.speed_smoothing_s);
+        let smooth_nm = smooth::over_time(&trip.time_s, &trip.motor_torque_nm, smoothing_s);
+        let near_brake = near_brake(&trip, &speed, smoothing_s);
         let n = trip.len();
         let mut road = Windows::new(ROAD_S);
         let mut drive = Windows::new(LOSS_S);
@@ -148,26 +157,27 @@ impl Prepared {
                     torque * torque,
                     torque.abs(),
                     omega * omega,
+                    torque * omega,
+                    omega * torque.signum(),
                     f64::from(u8::from(v > 0.0)),
                     battery_w,
                 ],
             );
-            let pressed = trip.throttle[i] >= RELEASED;
             if trip.throttle[i] < RELEASED && torque < 0.0 {
                 released.push((v, torque));
             }
             let (before, after) = (i.saturating_sub(1), (i + 1).min(n - 1));
             let span_s = trip.time_s[after] - trip.time_s[before];
-            // A friction brake may act beside a torque that slows down.
-            if v < ROLLING_M_S || torque < 0.0 && !pressed || span_s > GAP_S {
+            let smooth_nm = smooth_nm[i];
+            if near_brake[i] || span_s > GAP_S || smooth_nm.is_nan() {
                 road.spoil(time_s);
                 continue;
             }
             road.add(
                 time_s,
                 [
-                    torque,
-                    torque.abs(),
+                    smooth_nm,
+                    smooth_nm.abs(),
                     v,
                     (speed[after] - speed[before]) / span_s,
                     f64::from(row.grade.sin),
@@ -194,8 +204,10 @@ impl Prepared {
                 torque_squared: m[1],
                 torque_size_nm: m[2],
                 speed_squared: m[3],
-                moving: m[4],
-                battery_w: m[5],
+                power_w: m[4],
+                signed_speed_rad_s: m[5],
+                moving: m[6],
+                battery_w: m[7],
             }),
             standing_w,
             released,
@@ -203,6 +215,33 @@ impl Prepared {
             trip,
         }
     }
+}
+
+/// Where a friction brake may act beside the motor, or has within the reach of the smoothing: with
+/// the pedal released and a torque that slows down, and at standstill.
+fn near_brake(trip: &Trip, speed_m_s: &[f64], smoothing_s: f64) -> Vec<bool> {
+    let n = trip.len();
+    let reach_s = smooth::REACH * smoothing_s + SETTLED_S;
+    let brakes = |i: usize| {
+        let pressed = trip.throttle[i] >= RELEASED;
+        speed_m_s[i] < ROLLING_M_S || trip.motor_torque_nm[i] < 0.0 && !pressed
+    };
+    let mut near = vec![false; n];
+    let mut last_s = f64::NEG_INFINITY;
+    for i in 0..n {
+        if brakes(i) {
+            last_s = trip.time_s[i];
+        }
+        near[i] = trip.time_s[i] - last_s <= reach_s;
+    }
+    let mut next_s = f64::INFINITY;
+    for i in (0..n).rev() {
+        if brakes(i) {
+            next_s = trip.time_s[i];
+        }
+        near[i] |= next_s - trip.time_s[i] <= reach_s;
+    }
+    near
 }
 
 /// Sums over windows of equal length.

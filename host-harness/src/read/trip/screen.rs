@@ -85,6 +85,15 @@ impl Trip {
         Screened { auxiliary_w, notes, doubts }
     }
 
+    /// Why a comparison with this trip would say little of a model, in words: [`unfit`](Self::unfit),
+    /// and what is doubtful of its auxiliary loads.
+    #[must_use]
+    pub fn marked(&self, capacity_ah: f64) -> Vec<String> {
+        let mut reasons = self.unfit(capacity_ah);
+        reasons.extend(self.screened().doubts);
+        reasons
+    }
+
     /// A report of the heating, 0 where missing and never below 0, without pulses of equal height;
     /// what was repaired.
     fn without_pulses(&self, heating: &[f64]) -> (Vec<f64>, Option<String>) {

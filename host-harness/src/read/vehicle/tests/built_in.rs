@@ -38,6 +38,7 @@ fn in_full<P: Copy, D: Copy + Into<VehicleDrives>>(
             .with_battery(battery(preset.powertrain.battery))
             .with_drives(preset.powertrain.drives.into()),
         driver: preset.driver,
+        trips: None,
     }
 }
 
