@@ -123,8 +123,14 @@ impl Auxiliary {
     #[inline]
     #[must_use]
     pub const fn cut_out_s(&self, before_s: Real, voltage_v: Real, dt_s: Real) -> Real {
-        let back_v = if before_s > 0.0 { REARM_RATIO * self.cut_out_v } else { self.cut_out_v };
-        if voltage_v < back_v { REARM_S } else { max(before_s - dt_s, 0.0) }
+        if before_s > 0.0 {
+            let back_v = REARM_RATIO * self.cut_out_v;
+            if voltage_v < back_v { REARM_S } else { max(before_s - dt_s, 0.0) }
+        } else if voltage_v < self.cut_out_v {
+            REARM_S
+        } else {
+            0.0
+        }
     }
 
     /// One instant of the load on its own.

@@ -103,6 +103,27 @@ pub struct ErrorText {
 impl ErrorText {
     const LENGTH: usize = 160;
 
+    /// `what number rule`, for an error that counts.
+    pub(crate) const fn numbered(what: &str, rule: &str, number: usize) -> Self {
+        let mut text = Self { bytes: [b' '; Self::LENGTH], length: 0 };
+        text.push(what);
+        text.push(" ");
+        text.push(rule);
+        text.push(" (");
+        let mut decade = 1;
+        while number / decade >= 10 {
+            decade *= 10;
+        }
+        while decade > 0 {
+            const DIGITS: &str = "0123456789";
+            let digit = number / decade % 10;
+            text.push(DIGITS.split_at(digit).1.split_at(1).0);
+            decade /= 10;
+        }
+        text.push(")");
+        text
+    }
+
     const fn push(&mut self, part: &str) {
         let part = part.as_bytes();
         let mut i = 0;

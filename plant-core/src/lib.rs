@@ -25,6 +25,7 @@
 //! | [`battery`] | open-circuit voltage, resistances, one RC branch or two, state of charge, temperature; cells in series |
 //! | [`link`] | contactors, precharge, link capacitor and fuse between battery and vehicle |
 //! | [`auxiliary`] | what else draws from the battery |
+//! | [`circuit`] | any network of switches, diodes, transistors, coils, capacitors: the switched converter |
 //! | [`converter`] | averaged four-quadrant converter |
 //! | [`mechanics`] | [`gearbox`](mechanics::gearbox), [`wheel`](mechanics::wheel), [`body`](mechanics::body), [`slope`](mechanics::slope); [`rotational`](mechanics::rotational): a load on a shaft, its angle, a shaft with inertia |
 //! | [`machine`] | electric machines: [`dc`](machine::dc), [`pmsm`](machine::pmsm) with its [`flux`](machine::flux); three phases as one vector: [`transform`](machine::transform) |
@@ -64,6 +65,7 @@
 
 pub mod auxiliary;
 pub mod battery;
+pub mod circuit;
 pub mod control;
 pub mod converter;
 pub mod error;

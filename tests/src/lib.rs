@@ -53,4 +53,6 @@ mod documents {
     struct Readme;
     #[doc = include_str!("../../docs/src/start.md")]
     struct Start;
+    #[doc = include_str!("../../docs/src/models/circuit.md")]
+    struct Circuit;
 }

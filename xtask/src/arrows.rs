@@ -27,7 +27,7 @@ const CRATES: &[Crate] = &[
             // One thing: a table of numbers can be refused, and what is refused is a number.
             &["num+error+model"],
             &["port", "thermal"],
-            &["battery", "auxiliary", "converter", "link", "mechanics"],
+            &["battery", "auxiliary", "converter", "circuit", "link", "mechanics"],
             &["machine"],
             &["signal"],
             &["powertrain"],

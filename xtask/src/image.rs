@@ -30,7 +30,7 @@ const CHECKS: &[Check] = &[
 ];
 
 /// Public functions that are for the compiler, not for the target.
-const NOT_FOR_TARGET: &[&str] = &["ParamError::text", "ErrorText::as_str"];
+const NOT_FOR_TARGET: &[&str] = &["ParamError::text", "CircuitError::text", "ErrorText::as_str"];
 /// Types that the list names otherwise: by an alias or, made by a macro, by each of its names.
 const OTHERWISE: &[(&str, &[&str])] = &[
     ("Powertrain", &["Powertrain", "Plain", "Ledgered", "Mapped", "MappedLedgered", "Composed"]),
@@ -46,7 +46,7 @@ const OPTIONAL: &[&str] = &[
 ];
 /// Modules whose functions belong to no type.
 const MODULES: &[&str] =
-    &["num", "port", "error", "transform", "battery", "contactor", "limit", "can"];
+    &["num", "port", "error", "transform", "battery", "contactor", "limit", "can", "circuit"];
 
 pub fn is_panic(symbol: &str) -> bool {
     symbol.contains("core::panicking") || symbol.contains("rust_begin_unwind")

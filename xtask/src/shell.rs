@@ -12,6 +12,7 @@ pub const TOOLS: &[(&str, &str)] = &[
     ("arm-none-eabi-gcc", "gcc-arm-none-eabi"),
     ("arm-none-eabi-nm", "gcc-arm-none-eabi"),
     ("arm-none-eabi-size", "gcc-arm-none-eabi"),
+    ("ngspice", "ngspice"),
     ("cc", "gcc"),
 ];
 

@@ -17,6 +17,7 @@ use plant_core::battery::{
     self, Battery, BatteryParams, BatteryState, BranchMap, CurrentLimits, IdentifiedRange,
     MappedBattery, MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
 };
+use plant_core::circuit::{self, CircuitInput};
 use plant_core::control::driver::{Driver, TorqueDriver};
 use plant_core::control::foc::reference::Torque;
 use plant_core::control::foc::{Foc, FocState};
@@ -95,6 +96,8 @@ const CELLS: usize = 18;
 const SENSORS: usize = 4;
 type CellsState = cells::CellsState<CELLS>;
 type SeriesPack = plant_core::battery::SeriesPack<CELLS>;
+/// A bridge of four transistors, solved in each step.
+type Circuit = circuit::Circuit<4, 6>;
 type Delay = plant_core::signal::faults::Delay<3>;
 type CellResistancesState = cells::CellResistancesState<CELLS>;
 type Measurements = measure::Measurements<CELLS, SENSORS>;
@@ -133,6 +136,8 @@ fn components() {
     keep!(
         Contactor::new, Contactor::step, plant_core::link::ContactorState::is_closed, <Contactor as Model>::step, LinkState::charged_to, Link::new,
         Link::step, <Link as Model>::step,
+        Circuit::new, circuit::Circuit::<4, 6, 6, 16>::tabled, Circuit::branches, Circuit::step, circuit::Circuit::<4, 6, 6, 16>::step, Circuit::books, <Circuit as Model>::step,
+        CircuitInput::<6>::of, circuit::sources::<6>, circuit::two_states::<6>,
         Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,
         BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::faded,
         Battery::next, CurrentLimits::within, Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,

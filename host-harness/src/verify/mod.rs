@@ -12,6 +12,7 @@
 mod adaptive;
 mod battery_map;
 mod bench;
+mod circuit;
 mod components;
 #[cfg_attr(not(test), expect(dead_code, reason = "for cases of several drives"))]
 mod composed;
@@ -199,6 +200,7 @@ fn cases() -> Vec<Case> {
     cases.extend(components::CASES);
     cases.extend(parts::CASES);
     cases.extend(link::CASES);
+    cases.extend(circuit::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases

@@ -259,7 +259,17 @@ impl Battery {
     #[inline]
     #[must_use]
     pub fn faded(&self, state: &BatteryState) -> CurrentLimits {
-        self.limits(state).within(self.ends.faded(state.soc.get()))
+        let soc = state.soc.get();
+        // What one step could take of the charge is never less than what fades.
+        let limits = self.ends.faded(soc).within(CurrentLimits {
+            discharge_a: self.discharge_limit_a,
+            charge_a: self.charge_limit_a,
+        });
+        if self.ends.cut_off() {
+            limits.within(self.at_voltages(soc, self.rc.offer_v(&state.rc)))
+        } else {
+            limits
+        }
     }
 
     /// Whether a step under `current_a`, and under `least_a` once the windings have settled, that

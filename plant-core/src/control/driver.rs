@@ -22,7 +22,7 @@ pub use steering::{Steered, Steering};
 use crate::control::pid::{Pid, PidInput, PidParams, PidState};
 use crate::error::{ParamError, check, limit, not_negative, positive};
 use crate::model::{Dt, Model};
-use crate::num::{GRAVITY_M_S2, Real, clamp, lag_gain, max, min, sane, sign};
+use crate::num::{GRAVITY_M_S2, LARGEST, Real, clamp, lag_gain, max, min, sign, sound};
 use crate::powertrain::{Feedback, PowertrainParams};
 
 /// Below this speed the vehicle counts as standing \[m/s\].
@@ -107,6 +107,27 @@ pub struct DriverState {
     last: Real,
     last_brake_n: Real,
     last_m_s: Option<Real>,
+}
+
+/// What the driver sees where the brake may have to help: put together there, so that no other step
+/// has to.
+#[derive(Clone, Copy)]
+struct Wish {
+    wanted_nm: Real,
+    reference_m_s: Real,
+    speed_m_s: Real,
+    motor_nm: Real,
+    soc: Real,
+    slope_sin: Real,
+    limited: bool,
+}
+
+impl DriverState {
+    /// The command that is held where an input is refused.
+    #[inline(always)]
+    const fn commit(&mut self, command: Real, brake_n: Real) {
+        (self.last, self.last_brake_n) = (command, brake_n);
+    }
 }
 
 /// A driver, discretised for one step. A sampled controller: it sees the end of the last step.
@@ -213,13 +234,11 @@ impl Driver {
                 DriverOutput { duty: command.output, brake_n: 0.0, rejected: command.rejected }
             }
             Self::Torque(driver, current) => {
-                let (demand, mut next, magnitude) = driver.wanted(state, &input);
-                let duty = current.duty(&demand, &input.vehicle);
-                let rejected = demand.rejected || !sane(duty.abs() + magnitude);
-                if !rejected {
-                    next.last = duty;
-                    *state = next;
+                let demand = driver.wanted(state, input);
+                if let Some(demand) = demand {
+                    state.commit(current.duty(&demand, &input.vehicle), demand.brake_n);
                 }
+                let rejected = demand.is_none();
                 DriverOutput { duty: state.last, brake_n: state.last_brake_n, rejected }
             }
         }
@@ -266,7 +285,8 @@ impl CurrentLoop {
         let voltage_v = self.v_per_nm * demand.torque_nm - self.gain_ohm * vehicle.motor_a
             + self.back_emf_v_s_per_m * demand.ahead_m_s
             + self.drop_v * sign(demand.torque_nm);
-        voltage_v / max(vehicle.battery_v, 1.0)
+        // No converter reaches the bound; without it an absurd motor would make a number that is none.
+        max(min(voltage_v / max(vehicle.battery_v, 1.0), LARGEST), -LARGEST)
     }
 }
 
@@ -357,42 +377,52 @@ impl TorqueDriver {
     /// Decides on one step.
     #[inline(always)]
     pub fn step(&self, state: &mut DriverState, input: DriverInput) -> Demand {
-        let (mut demand, mut next, magnitude) = self.wanted(state, &input);
-        demand.rejected |= !sane(magnitude);
-        if demand.rejected {
-            (demand.torque_nm, demand.brake_n) = (state.last, state.last_brake_n);
-        } else {
-            next.last = demand.torque_nm;
-            *state = next;
+        if let Some(demand) = self.wanted(state, input) {
+            state.commit(demand.torque_nm, demand.brake_n);
+            return demand;
         }
-        demand
+        let ahead_m_s = input.vehicle.speed_m_s;
+        Demand { torque_nm: state.last, brake_n: state.last_brake_n, ahead_m_s, rejected: true }
     }
 
-    /// What the driver wants, the state that follows, and the magnitude of all that it saw.
+    /// What the driver wants, or nothing, and no change, where an input is absurd. It works on the
+    /// state where it lies: a copy would cost every step more than the speed controller does.
     #[inline(always)]
-    fn wanted(&self, state: &DriverState, input: &DriverInput) -> (Demand, DriverState, Real) {
-        let DriverInput { reference_m_s, reference_m_s2, vehicle } = *input;
+    fn wanted(&self, state: &mut DriverState, input: DriverInput) -> Option<Demand> {
+        let DriverInput { reference_m_s, reference_m_s2, vehicle } = input;
         let v = vehicle.speed_m_s;
-        let mut next = *state;
-        let controller =
-            self.speed.step(&mut next.speed, PidInput { reference: reference_m_s, measurement: v });
-        let force_n = controller.output + self.mass_kg * reference_m_s2;
+        let ahead_n = self.mass_kg * reference_m_s2;
+        let magnitude = reference_m_s.abs()
+            + v.abs()
+            + reference_m_s2.abs()
+            + ahead_n.abs()
+            + vehicle.soc.abs()
+            + vehicle.motor_a.abs()
+            + vehicle.motor_nm.abs()
+            + vehicle.battery_v.abs();
+        if !sound(magnitude) {
+            return None;
+        }
+        let controller = PidInput { reference: reference_m_s, measurement: v };
+        let force_n = self.speed.step_sound(&mut state.speed, controller) + ahead_n;
         let wanted_nm = force_n * self.per_motor_rad_m;
         let (mut torque_nm, mut brake_n) = (wanted_nm, 0.0);
         let free = v >= STANDSTILL_M_S && self.allows(wanted_nm, v, vehicle.soc);
         if !free || vehicle.limited {
-            (torque_nm, brake_n) = self.blend(&mut next, input, wanted_nm);
+            let wish = Wish {
+                wanted_nm,
+                reference_m_s,
+                speed_m_s: v,
+                motor_nm: vehicle.motor_nm,
+                soc: vehicle.soc,
+                slope_sin: vehicle.slope_sin,
+                limited: vehicle.limited,
+            };
+            (torque_nm, brake_n) = self.blend(state, wish);
         }
         let ahead_m_s = self.ahead_m_s(state, &vehicle, torque_nm, brake_n);
-        (next.last_brake_n, next.last_m_s) = (brake_n, Some(v));
-        let magnitude = brake_n
-            + force_n.abs()
-            + vehicle.soc.abs()
-            + vehicle.motor_a.abs()
-            + vehicle.motor_nm.abs()
-            + reference_m_s2.abs()
-            + vehicle.battery_v.abs();
-        (Demand { torque_nm, brake_n, ahead_m_s, rejected: controller.rejected }, next, magnitude)
+        state.last_m_s = Some(v);
+        Some(Demand { torque_nm, brake_n, ahead_m_s, rejected: false })
     }
 
     /// The speed at the end of the step to come, whose back-EMF the current will meet: it changes
@@ -421,32 +451,31 @@ impl TorqueDriver {
     /// standstill: the brake takes what the motor may not do, or what the battery does not let it
     /// do. Tells the speed controller in which direction it is held back.
     #[cold]
-    fn blend(&self, state: &mut DriverState, input: &DriverInput, wanted_nm: Real) -> (Real, Real) {
-        let vehicle = &input.vehicle;
-        let v = vehicle.speed_m_s;
+    fn blend(&self, state: &mut DriverState, wish: Wish) -> (Real, Real) {
+        let Wish { wanted_nm, reference_m_s, speed_m_s: v, .. } = wish;
         let standing = v.abs() < STANDSTILL_M_S;
         // Nor does it start before it has seen the slope.
-        let starts = input.reference_m_s.abs() >= STANDSTILL_M_S && state.last_m_s.is_some();
+        let starts = reference_m_s.abs() >= STANDSTILL_M_S && state.last_m_s.is_some();
         if standing && !starts {
             state.speed.reset();
             return (0.0, self.params.brake_limit_n);
         }
-        let forward = if standing { input.reference_m_s >= 0.0 } else { v > 0.0 };
+        let forward = if standing { reference_m_s >= 0.0 } else { v > 0.0 };
         // From here on torques and forces count in the direction of motion.
         let direction = if forward { 1.0 } else { -1.0 };
-        let motor_nm = direction * vehicle.motor_nm;
-        let slope_n = direction * self.weight_n * vehicle.slope_sin;
+        let motor_nm = direction * wish.motor_nm;
+        let slope_n = direction * self.weight_n * wish.slope_sin;
         if standing && slope_n > max(motor_nm * self.motor_rad_per_m, 0.0) {
-            return self.start_on_hill(state, input, direction, slope_n);
+            return self.start_on_hill(state, wish, direction, slope_n);
         }
         let wanted_nm = direction * wanted_nm;
-        let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), vehicle.soc);
-        if direction * input.reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
+        let mut command_nm = self.allowed_nm(wanted_nm, v.abs(), wish.soc);
+        if direction * reference_m_s < 0.0 && v.abs() < self.params.regen_fade_m_s {
             // Rolling in the wrong direction: to drive against it is no regeneration to fade.
             command_nm = max(min(command_nm, wanted_nm), -self.params.peak_torque_nm);
         }
         let mut short_nm = command_nm - wanted_nm;
-        if vehicle.limited {
+        if wish.limited {
             if wanted_nm < 0.0 {
                 short_nm += max(motor_nm - command_nm, 0.0);
             } else {
@@ -470,11 +499,11 @@ impl TorqueDriver {
     fn start_on_hill(
         &self,
         state: &mut DriverState,
-        input: &DriverInput,
+        wish: Wish,
         direction: Real,
         slope_n: Real,
     ) -> (Real, Real) {
-        let (reference, measurement) = (input.reference_m_s, input.vehicle.speed_m_s);
+        let (reference, measurement) = (wish.reference_m_s, wish.speed_m_s);
         let error_n = self.params.speed.proportional * (reference - measurement);
         let carried_n = direction * HILL_MARGIN * slope_n;
         let controller = PidInput { reference, measurement };

@@ -294,11 +294,27 @@ impl Pid {
         applied: Real,
     ) -> PidOutput {
         let p = &self.params;
-        let error = input.reference - input.measurement;
         if !sound(input.reference.abs() + input.measurement.abs() + applied.abs()) {
             let output = state.output.get();
             return PidOutput { output, raw: output, saturated: false, rejected: true };
         }
+        let raw = self.follow(state, input, excess);
+        let saturated = raw >= p.output_max || raw <= p.output_min;
+        PidOutput { output: state.output.get(), raw, saturated, rejected: false }
+    }
+
+    /// The output of a step whose input is known to be sound.
+    #[inline(always)]
+    pub(crate) fn step_sound(&self, state: &mut PidState, input: PidInput) -> Real {
+        self.follow(state, input, state.excess);
+        state.output.get()
+    }
+
+    /// Moves the state by one step; what the output would be without limits.
+    #[inline(always)]
+    fn follow(&self, state: &mut PidState, input: PidInput, excess: Real) -> Real {
+        let p = &self.params;
+        let error = input.reference - input.measurement;
         state.excess = 0.0;
         let mut raw = p.proportional * error + state.integral.get();
         if self.derivative_gain > 0.0 {
@@ -324,8 +340,7 @@ impl Pid {
         } else {
             state.output = Accum::new(target);
         }
-        let saturated = raw >= p.output_max || raw <= p.output_min;
-        PidOutput { output: state.output.get(), raw, saturated, rejected: false }
+        raw
     }
 
     const fn is_directional(&self) -> bool {

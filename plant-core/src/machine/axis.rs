@@ -21,7 +21,7 @@ const RELEASE: Real = 1.0005;
 
 /// A power is known to this share of the back-EMF's, or of the field's: a shorted winding, whose power
 /// is rounding, does not charge.
-const ROUNDING: Real = 1e-6;
+pub(super) const ROUNDING: Real = 1e-6;
 
 /// One axis of a winding over one step.
 #[derive(Clone, Copy, Debug)]
@@ -75,17 +75,24 @@ impl Axis {
     /// From within the edge the step lands on it. A current beyond decays with L/r, under the voltage
     /// that belongs to the edge, so that the battery's current exceeds its limit by the factor
     /// |i|/|edge| at most.
+    #[inline(always)]
     pub(super) fn held(&self, want: Real, ends_at: Real, bounds: &AxisBounds) -> (Real, Held) {
         let (i, most_a) = (self.current_a, bounds.current_a);
         let (mut rise_a, mut held) = (clamp(want, -most_a - i, most_a - i), Held::No);
         if rise_a != want {
             held = Held::Current;
         }
-        if self.power_w(rise_a) > bounds.highest_w {
+        let mut power_w = self.power_w(rise_a);
+        if power_w > bounds.highest_w {
             // Braking by drawing may end as braking that charges.
             (rise_a, held) = (self.at_power(bounds.highest_w, i + rise_a), Held::Discharge);
+            power_w = bounds.highest_w;
         }
         let ends_at = clamp(ends_at, -most_a, most_a);
+        if power_w >= 0.0 && ends_at * self.back_emf_v >= 0.0 {
+            // It drives, and goes on to: nothing is charged.
+            return (rise_a, held);
+        }
         let rounding_v = ROUNDING * (self.back_emf_v.abs() + self.step_ohm() * rise_a.abs());
         let charges = self.held_w(ends_at) < bounds.lowest_held_w - rounding_v * ends_at.abs();
         let lowest_w = bounds.lowest_w - rounding_v * (i + rise_a).abs();
@@ -118,6 +125,7 @@ impl Axis {
 
     /// The largest braking current, in that direction, up to which holding takes no less than
     /// `lowest_w`; infinity where any does.
+    #[inline(always)]
     fn edge(&self, lowest_w: Real) -> Real {
         let e = self.back_emf_v;
         let discriminant = e * e + 4.0 * self.resistance_ohm * lowest_w;
@@ -129,6 +137,7 @@ impl Axis {
     }
 
     /// The increment down to the least current for which its field does not give up too much.
+    #[inline(always)]
     fn released(&self, lowest_w: Real) -> Real {
         match self.roots(RELEASE * lowest_w) {
             Some((one, two)) => {
@@ -141,6 +150,7 @@ impl Axis {
 
     /// The increment to a power ≥ 0, the current on the side of `near`. One root lies on either side,
     /// or at no current.
+    #[inline(always)]
     fn at_power(&self, power_w: Real, near: Real) -> Real {
         match self.roots(power_w) {
             Some((one, two)) if near > 0.0 => max(one, two),
@@ -151,6 +161,7 @@ impl Axis {
 
     /// The increments that lead to a power: the roots of
     /// `(l + r)·Δ² + (e + r·i + (l + r)·i)·Δ + i·(e + r·i) − p`.
+    #[inline(always)]
     fn roots(&self, power_w: Real) -> Option<(Real, Real)> {
         let (a, held_v) = (self.step_ohm(), self.held_v());
         let b = held_v + a * self.current_a;

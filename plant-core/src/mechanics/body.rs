@@ -135,7 +135,9 @@ impl Road {
     /// The sum of its magnitudes but the slope's, for one check of all.
     #[inline]
     pub(crate) const fn magnitude(&self) -> Real {
-        self.headwind_m_s.abs() + self.brake_n.abs() + self.air_density_factor + self.rolling_factor
+        // What is often constant is one term.
+        (self.headwind_m_s.abs() + self.air_density_factor + self.rolling_factor)
+            + self.brake_n.abs()
     }
 
     /// Whether the slope, the brake and the factors can be.

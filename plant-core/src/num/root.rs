@@ -3,29 +3,43 @@
 /// Square root: Newton's method, then the last bit by integers.
 ///
 /// Where the machine has an instruction, safe code cannot reach it without the standard library,
-/// and `libm`'s routine for the others takes 0.5 kB of flash. Nothing takes a root in every step,
-/// so this one is made to be small.
+/// and `libm`'s routine for the others takes 0.5 kB of flash.
 pub fn sqrt(x: f32) -> f32 {
-    if !(x > 0.0 && x < f32::INFINITY) {
-        return if x < 0.0 { f32::NAN } else { x };
+    let bits = x.to_bits();
+    let is_normal = bits.wrapping_sub(0x0080_0000) < 0x7f00_0000;
+    if is_normal { normal(bits) } else { rare(x) }
+}
+
+/// The root of zero, of what is subnormal, and of what has none.
+#[cold]
+#[inline(never)]
+fn rare(x: f32) -> f32 {
+    if x > 0.0 && x < f32::INFINITY {
+        // Has no leading one. Both factors are powers of four, so nothing is rounded.
+        normal((x * 16_777_216.0).to_bits()) * (1.0 / 4096.0)
+    } else if x < 0.0 {
+        f32::NAN
+    } else {
+        x
     }
-    // A subnormal has no leading one; both factors are powers of four, so nothing is rounded.
-    let (x, back) = if x < f32::MIN_POSITIVE { (x * 16_777_216.0, 1.0 / 4096.0) } else { (x, 1.0) };
-    // x = 4^half · y with y in 1..4, and the mantissa of y as an integer, y·2^23.
-    let exponent = (x.to_bits() >> 23).cast_signed() - 127;
-    let half = exponent >> 1;
-    let y = f32::from_bits(x.to_bits().wrapping_sub(half.cast_unsigned() << 24));
-    let mantissa = (x.to_bits() & 0x007f_ffff | 0x0080_0000) << (exponent & 1);
-    // A line within 3 %, then to half a millionth of a millionth but for rounding.
-    let mut root = 0.35 * y + 0.68;
+}
+
+#[inline]
+const fn normal(bits: u32) -> f32 {
+    // x = 4^half · y with y in 1..4.
+    let exponent = bits.wrapping_sub(0x3f80_0000);
+    let half = exponent & 0xff00_0000;
+    let y = f32::from_bits(bits.wrapping_sub(half));
+    // A parabola within 0.6 %, then to a ten thousandth of a millionth but for rounding.
+    let mut root = (0.526 - 0.03954 * y) * y + 0.5186;
     root = 0.5 * (root + y / root);
     root = 0.5 * (root + y / root);
-    root = 0.5 * (root + y / root);
-    // Below 2, so that it has the exponent of 1; one unit in the last place is put right now:
-    // with r = root·2^23 the nearest is r where y·2^46 lies between (r − ½)² and (r + ½)². The
-    // difference is small, so its last 32 bits are all of it.
-    let r = root.to_bits().min(0x3fff_ffff) - 0x3f00_0000;
-    let beyond = (mantissa << 23).wrapping_sub(r.wrapping_mul(r)).cast_signed();
+    // One unit in the last place is put right: with r = root·2^23 the nearest is r where y·2^46
+    // lies between (r − ½)² and (r + ½)². The difference is small, so its last 32 bits are all of
+    // it; those of y·2^46 are the last of the mantissa.
+    let r = root.to_bits() - 0x3f00_0000;
+    let square = bits << 23 << (exponent >> 23 & 1);
+    let beyond = square.wrapping_sub(r.wrapping_mul(r)).cast_signed();
     let r = if beyond > r.cast_signed() {
         r + 1
     } else if beyond <= -r.cast_signed() {
@@ -33,7 +47,8 @@ pub fn sqrt(x: f32) -> f32 {
     } else {
         r
     };
-    f32::from_bits(r + ((half + 126).cast_unsigned() << 23)) * back
+    let half = (half.cast_signed() >> 1).cast_unsigned();
+    f32::from_bits(r.wrapping_add(half).wrapping_add(126 << 23))
 }
 
 #[cfg(test)]

@@ -69,6 +69,7 @@ use core::marker::PhantomData;
 use crate::auxiliary::Auxiliary;
 use crate::battery::{Battery, BatteryState, Pack};
 use crate::error::{ParamError, check};
+use crate::machine::Solved;
 use crate::mechanics::body::{Body, BodyState};
 use crate::mechanics::wheel::Wheel;
 use crate::model::{Dt, Model};
@@ -348,13 +349,20 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
         if !self.keeps_limits(&walk, &battery, &input, bus.emf_v) {
-            let kept =
-                self.keep_limits(state, input.gates, input.limits, walk, loads, source, resistance);
+            let kept = self.keep_limits(
+                state,
+                input.gates,
+                input.limits,
+                Solved { link: walk.link, bus_v: walk.battery_v, motion: walk.motion },
+                loads,
+                source,
+                resistance,
+            );
             (walk, starved, exceeded_a) = (kept.walk, kept.starved, kept.exceeded_a);
             if kept.limited != Limited::No {
                 limited = kept.limited;
             }
-            loads = kept.loads;
+            loads = loads.times(kept.share);
             // In a place of its own: what is lent to a call lies in memory, in every step.
             let mut settled = state.battery;
             overcharged_c = self.battery.settle(&mut settled, walk.battery_a);
@@ -363,8 +371,7 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
 
         // One check of what could pass unseen (a standstill swallows it) and of what is about to
         // enter a state, where the rest shows.
-        let magnitude = input.auxiliary_w
-            + input.road.magnitude()
+        let magnitude = (input.auxiliary_w + input.road.magnitude())
             + walk.review.magnitude
             + (v + walk.motion.increment_m_s).abs()
             + walk.battery_a.abs()

@@ -19,8 +19,11 @@ const WINDING_REL: f64 = 1e-5;
 const FIELD_REL: f64 = 2e-7;
 /// From this share of the largest duty on a change of direction counts as a flip.
 const FLIP: f64 = 2e-3;
-/// Turns for which there is a reason: the current comes to a limit, and leaves it.
-const FLIPS: u32 = 2;
+/// Turns for which there is a reason: the current comes to a limit, and leaves it. There are three:
+/// the winding's, that of the battery's current, and that of its voltage.
+const FLIPS: u32 = 6;
+/// Turns one right after the other; a duty that flips between two limits does not stop.
+const IN_A_ROW: u32 = 2;
 
 /// Now and then voltages that may act, around the one at rest.
 fn voltage_limits(d: &mut Draw, battery: &BatteryParams, soc: Real) -> VoltageLimits {
@@ -102,7 +105,7 @@ macro_rules! keeps_limits {
             limits: asked,
             ..PowertrainInput::on(of(c.duty))
         };
-        let (mut duty, mut rise, mut flips) = (0.0, 0.0, 0);
+        let (mut duty, mut rise, mut flips, mut in_a_row) = (0.0, 0.0, 0, 0);
         for n in 0..STEPS {
             let before = s;
             let limits = plant.battery().faded(&before.battery).within(asked);
@@ -129,10 +132,13 @@ macro_rules! keeps_limits {
             let step = f64::from(out.drives.duty) - duty;
             let flip = n > 1 && step * rise < 0.0 && step.abs().min(f64::abs(rise)) > FLIP;
             flips += u32::from(flip);
-            prop_assert!(flips <= FLIPS, "{n}: {flips} flips, {duty} then {out:?} {before:?}");
+            in_a_row = if flip { in_a_row + 1 } else { 0 };
+            prop_assert!(
+                in_a_row <= IN_A_ROW && flips <= FLIPS,
+                "{n}: {flips} flips, {duty} then {out:?} {before:?}"
+            );
             (duty, rise) = (f64::from(out.drives.duty), step);
         }
-        prop_assert!(flips <= FLIPS, "{flips} flips");
         let report = plant.energy(&start, &s);
         (f64::from(report.residual).abs(), report.terms().map(|(_, j)| f64::from(j).abs()))
     }};

@@ -5,6 +5,7 @@
 //! | [`finite`], [`finite_plant`] | no input and no parameter makes a state or an output infinite; what is rejected changes nothing |
 //! | [`passivity`] | without a source the stored energy never rises |
 //! | [`charge`] | the state of charge stays within 0..1, and every coulomb is booked or refused |
+//! | [`circuit`] | networks of any elements are refused by name, or settle in balance |
 //! | [`drives`] | all of this for composed plants of two drives |
 //! | [`limits`] | a battery limit holds wherever a duty can keep it |
 //! | [`mapped`] | the same of a battery with maps, alone and in the plant |
@@ -27,6 +28,7 @@
 
 mod charge;
 mod check;
+mod circuit;
 mod draw;
 mod drives;
 mod finite;

@@ -192,3 +192,45 @@ pub const PRECHARGE_CHARGE: Bound = Bound::new(
 pub const CONTACTOR_CLOSES: Bound =
     Bound::new("closes after [s]", None, Absolute(1e-9), CLOSED, "whole steps");
 pub const CONTACTOR_OPENS: Bound = Bound { quantity: "opens after [s]", ..CONTACTOR_CLOSES };
+pub const RC_EULER: Bound = Bound::new(
+    "backward Euler, largest difference / 355 V",
+    None,
+    AtMost(5e-4),
+    CLOSED,
+    "first order: half of h/τ = 2.6e-3, times 1/e",
+);
+pub const RC_TRAPEZOIDAL: Bound = Bound::new(
+    "trapezoidal, largest difference / 355 V",
+    None,
+    AtMost(2e-6),
+    CLOSED,
+    "second order: (h/τ)²/12/e = 2.1e-7, and rounding in f32",
+);
+pub const RESONANCE: Bound = Bound::new(
+    "trapezoidal, largest difference / 10 V",
+    None,
+    AtMost(5e-4),
+    CLOSED,
+    "second order: (ωh)²/12 of the phase, 10 rad long, damped",
+);
+pub const RESONANCE_ORDER: Bound =
+    Bound::new("order in the step", None, Absolute(0.1), CLOSED, "trapezoidal rule");
+pub const BUCK_VOLTAGE: Bound = Bound::new(
+    "mean voltage of the leg, averaged and switched [V]",
+    None,
+    Absolute(0.005),
+    CLOSED,
+    "open transistors leak, rounding of 100 values in f32",
+);
+pub const BUCK_CURRENT: Bound = Bound {
+    quantity: "mean current of the winding [A]",
+    within: Absolute(0.02),
+    reason: "20 ms are ten time constants; first order in the step",
+    ..BUCK_VOLTAGE
+};
+pub const BUCK_INPUT: Bound = Bound {
+    quantity: "mean current of the source [A]",
+    within: Absolute(0.1),
+    reason: "first order: half of each step's rise, 0.12 A",
+    ..BUCK_VOLTAGE
+};

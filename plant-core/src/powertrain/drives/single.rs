@@ -137,6 +137,7 @@ impl<M: Machine> Drives for Drive<M> {
         self.machine.force(state, link, rise)
     }
 
+    #[inline(always)]
     fn hold(
         &self,
         state: &M::State,
@@ -146,20 +147,18 @@ impl<M: Machine> Drives for Drive<M> {
         mode: &Mode,
         shares: &Shares,
     ) -> (M::Rise, Held) {
+        let mut footing = Footing { speed_m_s: mode.coasting_m_s, mobility: mode.mobility };
+        if shares.alone {
+            return self.machine.hold(state, link, want, footing, &shares.all());
+        }
         let others_n = mode.force_n - self.machine.force(state, link, found).effort;
-        let footing = Footing {
-            speed_m_s: mode.coasting_m_s + mode.mobility * others_n,
-            mobility: mode.mobility,
-        };
-        let bounds = if shares.alone {
-            shares.all()
-        } else {
-            let carried = self.machine.within_winding(state, want);
-            shares.bounds(self.machine.wish(state, link, carried, mode.ended_m_s()))
-        };
-        self.machine.hold(state, link, want, footing, &bounds)
+        footing.speed_m_s += mode.mobility * others_n;
+        let carried = self.machine.within_winding(state, want);
+        let wish = self.machine.wish(state, link, carried, mode.ended_m_s());
+        self.machine.hold(state, link, want, footing, &shares.bounds(wish))
     }
 
+    #[inline(always)]
     fn impose(
         &self,
         state: &M::State,

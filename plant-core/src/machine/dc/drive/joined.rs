@@ -2,7 +2,7 @@
 
 use super::{DcDrive, DcDriveOutput, DcLink};
 use crate::converter::Gates;
-use crate::machine::axis::{Axis, AxisBounds};
+use crate::machine::axis::{Axis, AxisBounds, ROUNDING};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
 use crate::mechanics::body::Resistance;
 use crate::num::{Accum, LARGEST, Real, clamp, sign};
@@ -210,6 +210,7 @@ impl Machine for DcDrive {
         DriveLaw { effort: self.effort_per_a * (state.get() + rise_a), slope: 0.0 }
     }
 
+    #[inline(always)]
     fn hold(
         &self,
         state: &Accum,
@@ -232,11 +233,14 @@ impl Machine for DcDrive {
         };
         let driving_v = link.duty * bounds.bus_v - emf_v;
         let settles_v = driving_v - clamp(driving_v, -drop_v, drop_v);
-        let mut ends_at =
-            settles_v / (axis.resistance_ohm + link.duty * link.duty * bounds.bus_ohm);
-        if link.duty * ends_at * bounds.bus_ohm > 0.5 * bounds.bus_v {
-            // Beyond the battery's greatest power: it draws whatever it can.
-            ends_at = sign(ends_at) * LARGEST;
+        // One that drives in the end charges nothing, wherever that is.
+        let mut ends_at = 0.0;
+        if settles_v * axis.back_emf_v < 0.0 {
+            ends_at = settles_v / (axis.resistance_ohm + link.duty * link.duty * bounds.bus_ohm);
+            if link.duty * ends_at * bounds.bus_ohm > 0.5 * bounds.bus_v {
+                // Beyond the battery's greatest power: it draws whatever it can.
+                ends_at = sign(ends_at) * LARGEST;
+            }
         }
         axis.held(
             want,
@@ -250,6 +254,7 @@ impl Machine for DcDrive {
         )
     }
 
+    #[inline(always)]
     fn impose(
         &self,
         state: &Accum,
@@ -258,6 +263,9 @@ impl Machine for DcDrive {
         speed_m_s: Real,
         bus_v: Real,
     ) -> (DcLink, Option<Gates>) {
+        // What rounding leaves of a current that ends has no direction, and no voltage drop.
+        let left_a = state.get() + rise_a;
+        let rise_a = if left_a.abs() <= ROUNDING * rise_a.abs() { -state.get() } else { rise_a };
         let x = state.get() + rise_a;
         let drop_v = sign(x) * self.converter.params.voltage_drop_v;
         let imposed = DcLink { drop_v, rise_a, admittance_s: 0.0, ..*link };

@@ -1,0 +1,440 @@
+//! Circuits: resistors, coils, capacitors, sources, switches, diodes and transistors between nodes.
+//!
+//! # Map
+//! | File | What it holds |
+//! |---|---|
+//! | `element` | what a circuit is made of, and the curves of diode and MOS |
+//! | `network` | the linear equations, along a spanning tree |
+//! | `settle` | which switches conduct; Newton's iteration for the curves |
+//! | `books` | power of a step, what the method itself swallows |
+//! | `error` | why a circuit is refused |
+//!
+//! # Equations
+//! Each element is `i = g·v + s` over one step. With k = 1/h (backward Euler, first order) or 2/h
+//! (trapezoidal rule, second order), and u the voltage across the pure inductance:
+//!
+//! - coil: `g = 1/(R + k·L)`, `s = i₀ + g·(u₀ − R·i₀ − e)`
+//! - capacitor: `g = k·C`, `s = −g·v₀ − i₀`
+//! - conducting diode or switch: `g = 1/R_on`, `s = −(g − 1/R_off)·V_drop`
+//!
+//! backward Euler without `u₀` and `−i₀`. A trapezoidal step in which a switch changed is taken again
+//! as two halves by backward Euler, which has the same g: nothing rings \[MartiLin1989\]. Companion
+//! models are \[Ho1975\]'s.
+//!
+//! Which of the two-state elements conduct is a linear complementarity problem with one solution,
+//! since each of them is a rising curve: all that contradict the solution change at once, at last only
+//! the first of them \[Murty1974\], at most [`ROUNDS`] times; an output says whether that was enough.
+//! With [`Circuit::tabled`] the solution of each of the `2^n` configurations is computed when the
+//! circuit is made, and a step only multiplies.
+//!
+//! Curved elements (junction, MOS) take the tangent at the last guess, at most [`ROUNDS`] times,
+//! damped; the gate of a MOS is that of the guess before. An output gives the largest current that the
+//! last tangent missed.
+//!
+//! The elements and their defaults are \[EPowertrain2025\]'s. Tests: `tests` below; property
+//! `circuit`; cases "circuit: precharge", "circuit: series resonance", "circuit: buck converter"; against
+//! ngspice `tests/tests/circuit.rs`.
+
+#![expect(clippy::needless_range_loop, reason = "element e of several arrays at once")]
+
+mod books;
+mod element;
+mod error;
+mod network;
+mod settle;
+
+pub use books::Books;
+pub use element::{Branch, Element};
+pub use error::CircuitError;
+pub use settle::ROUNDS;
+
+use crate::model::{Dt, Model};
+use crate::num::{Accum, Real};
+use network::Network;
+
+/// How a step approximates a derivative.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Method {
+    /// First order; damps what is faster than the step.
+    #[default]
+    BackwardEuler,
+    /// Second order; conserves energy. A step in which a switch changes is taken as two halves by
+    /// backward Euler.
+    Trapezoidal,
+}
+
+/// A circuit of `NODES` nodes, the ground included, and `ELEMENTS` elements, discretised for one step.
+///
+/// ```
+/// use plant_core::circuit::{Branch, Circuit, CircuitInput, CircuitState, Element, Method};
+/// use plant_core::{Dt, must};
+///
+/// // A capacitor is charged through 40 Ω from 355 V.
+/// const PRECHARGE: [Branch; 3] = [
+///     Branch { from: 1, to: 0, element: Element::Voltage },
+///     Branch { from: 1, to: 2, element: Element::Resistor { ohm: 40.0 } },
+///     Branch { from: 2, to: 0, element: Element::Capacitor { farad: 0.00096 } },
+/// ];
+/// const CIRCUIT: Circuit<3, 3> =
+///     must!(Circuit::new(PRECHARGE, Method::Trapezoidal, must!(Dt::from_s(0.0001))));
+///
+/// let mut state = CircuitState::default();
+/// let mut out = CIRCUIT.step(&mut state, CircuitInput::of([355.0, 0.0, 0.0]));
+/// for _ in 1..384 {
+///     out = CIRCUIT.step(&mut state, CircuitInput::of([355.0, 0.0, 0.0]));
+/// }
+/// // After one time constant of 38.4 ms; the source rose from zero over the first step, so half a step
+/// // of 0.1 ms late.
+/// assert!((out.voltage_v[2] - 355.0 * (1.0 - (-38.35_f32 / 38.4).exp())).abs() < 0.01);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circuit<
+    const NODES: usize,
+    const ELEMENTS: usize,
+    const SOURCES: usize = 0,
+    const CONFIGURATIONS: usize = 0,
+> {
+    branches: [Branch; ELEMENTS],
+    method: Method,
+    /// 1/h or 2/h.
+    per_s: Real,
+    /// Conductance of each element, blocking and conducting; those that vary stay zero.
+    blocking_s: [Real; ELEMENTS],
+    conducting_s: [Real; ELEMENTS],
+    /// The elements that can drive a current.
+    drives: [usize; SOURCES],
+    table: [Response<ELEMENTS, SOURCES>; CONFIGURATIONS],
+}
+
+/// All elements' answers to what drives the network, for one set of conducting elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Response<const E: usize, const S: usize> {
+    /// Voltage of an element, or its current where `by_current` has its bit.
+    rows: [[Real; S]; E],
+    by_current: u32,
+}
+
+/// The state of a [`Circuit`]: at rest and without charge by default.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CircuitState<const ELEMENTS: usize> {
+    /// Current of a coil \[A\], voltage of a capacitor \[V\], charge of a variable one \[C\], voltage of a
+    /// curved element \[V\].
+    pub stored: [Accum; ELEMENTS],
+    /// Voltage across the inductance of a coil \[V\], current of a capacitor \[A\]; for the trapezoidal
+    /// rule.
+    pub rate: [Real; ELEMENTS],
+    /// Bit e: element e conducts forward.
+    pub forward: u32,
+    /// Bit e: element e conducts backward.
+    pub reverse: u32,
+}
+
+impl<const ELEMENTS: usize> Default for CircuitState<ELEMENTS> {
+    fn default() -> Self {
+        Self { stored: [Accum::new(0.0); ELEMENTS], rate: [0.0; ELEMENTS], forward: 0, reverse: 0 }
+    }
+}
+
+/// Input of one step of a [`Circuit`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CircuitInput<const ELEMENTS: usize> {
+    /// What [`Element`] says for each kind; without meaning for the others.
+    pub values: [Real; ELEMENTS],
+    /// Bit e: the gate of element e is on.
+    pub gates: u32,
+}
+
+impl<const ELEMENTS: usize> CircuitInput<ELEMENTS> {
+    /// Values, all gates off.
+    #[must_use]
+    pub const fn of(values: [Real; ELEMENTS]) -> Self {
+        Self { values, gates: 0 }
+    }
+}
+
+/// Output of one step of a [`Circuit`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CircuitOutput<const ELEMENTS: usize> {
+    /// Voltage of each element \[V\].
+    pub voltage_v: [Real; ELEMENTS],
+    /// Current of each element \[A\].
+    pub current_a: [Real; ELEMENTS],
+    /// How many times the network was solved.
+    pub rounds: u32,
+    /// The elements that conduct fit the solution.
+    pub settled: bool,
+    /// By how much the worst curve was missed beyond rounding \[A\].
+    pub missed_a: Real,
+    /// An input was not finite or absurd; the state is unchanged, all else is zero.
+    pub rejected: bool,
+}
+
+/// How many elements can drive a current: the `SOURCES` of a [`Circuit::tabled`].
+#[must_use]
+pub const fn sources<const E: usize>(branches: &[Branch; E]) -> usize {
+    let (mut count, mut e) = (0, 0);
+    while e < E {
+        count += branches[e].element.drives() as usize;
+        e += 1;
+    }
+    count
+}
+
+/// How many two-state elements there are; `CONFIGURATIONS` of a [`Circuit::tabled`] is two to their
+/// power.
+#[must_use]
+pub const fn two_states<const E: usize>(branches: &[Branch; E]) -> usize {
+    let (mut count, mut e) = (0, 0);
+    while e < E {
+        count += branches[e].element.two_state() as usize;
+        e += 1;
+    }
+    count
+}
+
+impl<const NODES: usize, const ELEMENTS: usize> Circuit<NODES, ELEMENTS> {
+    /// Checks a circuit and discretises it for steps of `dt`. Each step factorises it anew.
+    ///
+    /// # Errors
+    /// [`CircuitError`] names the element or node and the rule.
+    pub const fn new(
+        branches: [Branch; ELEMENTS],
+        method: Method,
+        dt: Dt,
+    ) -> Result<Self, CircuitError> {
+        Self::untabled(branches, method, dt)
+    }
+}
+
+impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, E, S, C> {
+    /// Checks a circuit and solves each of its configurations for steps of `dt`: `C` = 2^n for n
+    /// two-state elements, `S` = [`sources`]. For elements whose conductance does not vary.
+    ///
+    /// # Errors
+    /// [`CircuitError`] names the element or node and the rule.
+    pub const fn tabled(
+        branches: [Branch; E],
+        method: Method,
+        dt: Dt,
+    ) -> Result<Self, CircuitError> {
+        let mut circuit = match Self::untabled(branches, method, dt) {
+            Ok(circuit) => circuit,
+            Err(error) => return Err(error),
+        };
+        if C != 1 << two_states(&branches) {
+            return Err(CircuitError::TableSize(1 << two_states(&branches)));
+        }
+        if S != sources(&branches) {
+            return Err(CircuitError::Sources(sources(&branches)));
+        }
+        let (mut e, mut driving) = (0, 0);
+        while e < E {
+            if branches[e].element.varies() {
+                return Err(CircuitError::NotInTable(e));
+            }
+            if branches[e].element.drives() && driving < S {
+                circuit.drives[driving] = e;
+                driving += 1;
+            }
+            e += 1;
+        }
+        let mut configuration = 0;
+        while configuration < C {
+            circuit.table[configuration] = match circuit.response(configuration) {
+                Ok(response) => response,
+                Err(error) => return Err(error),
+            };
+            configuration += 1;
+        }
+        Ok(circuit)
+    }
+
+    const fn untabled(branches: [Branch; E], method: Method, dt: Dt) -> Result<Self, CircuitError> {
+        if E > 32 || two_states(&branches) > 16 {
+            return Err(CircuitError::TooLarge(E));
+        }
+        let per_s = match method {
+            Method::BackwardEuler => 1.0 / dt.s(),
+            Method::Trapezoidal => 2.0 / dt.s(),
+        };
+        let empty = Response { rows: [[0.0; S]; E], by_current: 0 };
+        let mut circuit = Self {
+            branches,
+            method,
+            per_s,
+            blocking_s: [0.0; E],
+            conducting_s: [0.0; E],
+            drives: [0; S],
+            table: [empty; C],
+        };
+        let mut typical_s = [0.0; E];
+        let mut e = 0;
+        while e < E {
+            let Branch { from, to, element } = branches[e];
+            if let Err(error) = element.check() {
+                return Err(CircuitError::Element(e, error));
+            }
+            let gate_there = match element {
+                Element::Mos { gate, .. } => gate < N,
+                _ => true,
+            };
+            if from >= N || to >= N || !gate_there {
+                return Err(CircuitError::NoSuchNode(e));
+            }
+            if from == to {
+                return Err(CircuitError::Shorted(e));
+            }
+            circuit.blocking_s[e] = element.conductance_s(per_s, false, 1.0);
+            circuit.conducting_s[e] = element.conductance_s(per_s, true, 1.0);
+            typical_s[e] = if element.curved() { 1.0 } else { circuit.blocking_s[e] };
+            e += 1;
+        }
+        // With whatever values and switches: the same nodes are tied.
+        match Network::<N, E>::new(&circuit.branches, typical_s) {
+            Ok(_) => Ok(circuit),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Solves one configuration for a unit of each source.
+    const fn response(&self, configuration: usize) -> Result<Response<E, S>, CircuitError> {
+        let mut conductance_s = self.blocking_s;
+        let (mut e, mut device) = (0, 0);
+        while e < E {
+            if self.branches[e].element.two_state() {
+                if configuration >> device & 1 == 1 {
+                    conductance_s[e] = self.conducting_s[e];
+                }
+                device += 1;
+            }
+            e += 1;
+        }
+        let net = match Network::<N, E>::new(&self.branches, conductance_s) {
+            Ok(net) => net,
+            Err(error) => return Err(error),
+        };
+        let mut response = Response { rows: [[0.0; S]; E], by_current: 0 };
+        let mut s = 0;
+        while s < S {
+            let mut drive = [0.0; E];
+            if self.drives[s] < E {
+                drive[self.drives[s]] = 1.0;
+            }
+            let found = net.solve(&self.branches, &drive);
+            let mut e = 0;
+            while e < E {
+                // The current of a coil moves by little, so that its voltage says more.
+                let coil = matches!(self.branches[e].element, Element::Coil { .. });
+                if net.in_tree(e) && !coil {
+                    response.by_current |= 1 << e;
+                    response.rows[e][s] = found.current_a[e];
+                } else {
+                    response.rows[e][s] = found.voltage_v[e];
+                }
+                e += 1;
+            }
+            s += 1;
+        }
+        Ok(response)
+    }
+
+    /// What the circuit is made of.
+    #[must_use]
+    pub const fn branches(&self) -> &[Branch; E] {
+        &self.branches
+    }
+
+    /// Advances by one step.
+    pub fn step(&self, state: &mut CircuitState<E>, input: CircuitInput<E>) -> CircuitOutput<E> {
+        let mut next = *state;
+        let mut out = self.advance(&mut next, &input, self.method == Method::Trapezoidal);
+        let switched = (next.forward | next.reverse) != (state.forward | state.reverse);
+        if self.method == Method::Trapezoidal && switched {
+            next = *state;
+            let first = self.advance(&mut next, &input, false);
+            out = self.advance(&mut next, &input, false);
+            out.rounds += first.rounds;
+            out.settled &= first.settled;
+        }
+        let mut sum = 0.0;
+        for e in 0..E {
+            sum += out.voltage_v[e].abs() + out.current_a[e].abs() + input.values[e].abs();
+        }
+        if !crate::num::sound(sum) {
+            return CircuitOutput {
+                voltage_v: [0.0; E],
+                current_a: [0.0; E],
+                rounds: out.rounds,
+                settled: false,
+                missed_a: 0.0,
+                rejected: true,
+            };
+        }
+        *state = next;
+        out
+    }
+
+    /// One step, or half of one; `memory`: by the trapezoidal rule.
+    fn advance(
+        &self,
+        state: &mut CircuitState<E>,
+        input: &CircuitInput<E>,
+        memory: bool,
+    ) -> CircuitOutput<E> {
+        let mut drive = [0.0; E];
+        let weight = if memory { 1.0 } else { 0.0 };
+        for e in 0..E {
+            let (value, stored, rate) =
+                (input.values[e], state.stored[e].get(), weight * state.rate[e]);
+            drive[e] = match self.branches[e].element {
+                Element::Coil { ohm, .. } => {
+                    stored + self.blocking_s[e] * (rate - ohm * stored - value)
+                }
+                Element::Capacitor { .. } => -self.blocking_s[e] * stored - rate,
+                Element::VariableCapacitor => -self.per_s * stored - rate,
+                Element::Voltage | Element::Current => value,
+                _ => 0.0,
+            };
+        }
+        let out = self.settle(state, input, drive);
+        for e in 0..E {
+            let (voltage_v, current_a) = (out.voltage_v[e], out.current_a[e]);
+            match self.branches[e].element {
+                Element::Coil { ohm, .. } => {
+                    let stored = state.stored[e].get();
+                    let across_v =
+                        voltage_v + weight * state.rate[e] - ohm * stored - input.values[e];
+                    state.stored[e].add(self.blocking_s[e] * across_v);
+                    state.rate[e] = voltage_v - input.values[e] - ohm * state.stored[e].get();
+                }
+                Element::Capacitor { .. } => {
+                    let charge = current_a + weight * state.rate[e];
+                    state.stored[e].add(charge / self.blocking_s[e]);
+                    state.rate[e] = current_a;
+                }
+                Element::VariableCapacitor => {
+                    state.stored[e] = Accum::new(input.values[e] * voltage_v);
+                    state.rate[e] = current_a;
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+}
+
+impl<const N: usize, const E: usize, const S: usize, const C: usize> Model for Circuit<N, E, S, C> {
+    type State = CircuitState<E>;
+    type Input = CircuitInput<E>;
+    type Output = CircuitOutput<E>;
+
+    #[inline]
+    fn step(&self, state: &mut Self::State, input: Self::Input) -> Self::Output {
+        Circuit::step(self, state, input)
+    }
+}
+
+#[cfg(test)]
+mod tests;
