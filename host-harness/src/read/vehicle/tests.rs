@@ -162,7 +162,7 @@ fn an_unknown_key() {
         "  title =",
         "1:3: unknown key `title`; expected one of `name`, `description`, `source`, \
          `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `pmsm`, `gearbox`, \
-         `drive`, `wheel`, `body`, `driver`",
+         `drive`, `wheel`, `body`, `driver`, `trips`, `fit`, `standard_error`",
     );
     says(
         "a_n =",
@@ -340,7 +340,7 @@ fn values_of_the_wrong_type() {
         "[x]",
         "39:2: unknown table [x]; expected one of `name`, `description`, `source`, \
          `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `pmsm`, `gearbox`, \
-         `drive`, `wheel`, `body`, `driver`",
+         `drive`, `wheel`, `body`, `driver`, `trips`, `fit`, `standard_error`",
     );
 }
 
