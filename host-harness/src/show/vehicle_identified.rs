@@ -9,9 +9,13 @@ pub fn render(found: &IdentifiedVehicle) -> String {
     let mut rows = table(&[found.name.as_str(), "value", "standard error"]);
     for p in &found.parameters {
         // Two digits of the error; where there is none, four of the value.
-        let size = if p.standard_error > 0.0 { p.standard_error } else { p.value.abs() / 100.0 };
+        let told = p.standard_error > 1e-6 * p.value.abs();
+        let size = if told { p.standard_error } else { p.value.abs() / 100.0 };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 12")]
-        let digits = (1.0 - size.max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
+        let digits = match size {
+            0.0 => 0,
+            size => (1.0 - size.log10().floor()).clamp(0.0, 12.0) as usize,
+        };
         rows.add_row([
             p.name.clone(),
             number(Some(p.value), digits),

@@ -93,7 +93,7 @@ impl Found {
         let losses = losses(trips, base_w)?;
         let viscous = losses[2];
         let [mass_kg, drag_area_m2, warm_up_n, gear_loss] = road(trips, viscous, known)?;
-        ensure!(mass_kg > 0.0, "the trips tell no mass ({mass_kg:.0} kg)");
+        ensure!(mass_kg > 0.0 && gear_loss < 1.0, "the trips tell no mass and no loss of the gear");
         let forces: Vec<(Option<f64>, f64)> = (trips.iter())
             .filter_map(|trip| {
                 let (mut sum, mut weights) = (0.0, 0.0);
@@ -256,15 +256,17 @@ fn road(trips: &[&Prepared], viscous: f64, known: &Known) -> anyhow::Result<[f64
         }
         let units = Vector4::from_fn(|i, _| 1.0 / matrix[(i, i)].sqrt().max(1e-150));
         let scaled = Matrix4::from_fn(|i, j| matrix[(i, j)] * units[i] * units[j]);
-        let factor = Cholesky::new(scaled)
-            .filter(|f| f.determinant() > 1e-9)
-            .context("the trips tell no mass, drag and losses apart: speed and height must vary")?;
-        let solved: Vector4<f64> = factor.solve(&goal.component_mul(&units));
-        found = Some(solved.component_mul(&units));
+        ensure!(
+            Cholesky::new(scaled).is_some_and(|f| f.determinant() > 1e-9),
+            "the trips tell no mass, drag and losses apart: speed and height must vary"
+        );
+        // Neither the air, nor cold tyres, nor a gear push.
+        let matrix = DMatrix::from_iterator(4, 4, matrix.iter().copied());
+        let goal = DVector::from_iterator(4, goal.iter().copied());
+        let solved = fit::non_negative(&matrix, &goal, &[0, 1, 2, 3])?;
+        found = Some(Vector4::from_iterator(solved));
     }
-    let p = found.context("no pass")?;
-    // Neither cold tyres nor a gear push.
-    Ok([p[0], p[1].max(0.0), p[2].max(0.0), p[3].clamp(0.0, 0.5)])
+    Ok(found.context("no pass")?.into())
 }
 
 /// The size of the torque that what was found so far expects.
