@@ -1,6 +1,13 @@
 //! `voltstep identify vehicle`: a synthetic fleet whose parameters are known, and real trips, each
 //! half of them judged by the other, where `VOLTSTEP_DATA` says they are.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "the plant computes in f32; counts are small"
+)]
+
 use std::path::PathBuf;
 
 use voltstep::evaluate::trips;

@@ -220,26 +220,25 @@ impl Prepared {
 /// Where a friction brake may act beside the motor, or has within the reach of the smoothing: with
 /// the pedal released and a torque that slows down, and at standstill.
 fn near_brake(trip: &Trip, speed_m_s: &[f64], smoothing_s: f64) -> Vec<bool> {
-    let n = trip.len();
     let reach_s = smooth::REACH * smoothing_s + SETTLED_S;
     let brakes = |i: usize| {
         let pressed = trip.throttle[i] >= RELEASED;
         speed_m_s[i] < ROLLING_M_S || trip.motor_torque_nm[i] < 0.0 && !pressed
     };
-    let mut near = vec![false; n];
+    let mut near = vec![false; trip.len()];
     let mut last_s = f64::NEG_INFINITY;
-    for i in 0..n {
+    for (i, near) in near.iter_mut().enumerate() {
         if brakes(i) {
             last_s = trip.time_s[i];
         }
-        near[i] = trip.time_s[i] - last_s <= reach_s;
+        *near = trip.time_s[i] - last_s <= reach_s;
     }
     let mut next_s = f64::INFINITY;
-    for i in (0..n).rev() {
+    for (i, near) in near.iter_mut().enumerate().rev() {
         if brakes(i) {
             next_s = trip.time_s[i];
         }
-        near[i] |= next_s - trip.time_s[i] <= reach_s;
+        *near |= next_s - trip.time_s[i] <= reach_s;
     }
     near
 }

@@ -249,7 +249,7 @@ mod tests {
     fn a_report_that_the_battery_does_not_know_of_gives_way_to_the_next() {
         let mut t = trip(|_| 300.0);
         t.heating_requested_w = t.heating_w.clone();
-        t.heating_w = (0..1000).map(|i| 2000.0 + i as f64).collect();
+        t.heating_w = (0..1000).map(|i| 2000.0 + f64::from(i)).collect();
         let s = t.screened();
         assert!(s.auxiliary_w.iter().all(|w| *w == 300.0) && s.notes[0].contains("request"));
         t.heating_requested_w = vec![f64::NAN; 1000];
