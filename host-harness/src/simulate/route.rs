@@ -205,4 +205,42 @@ mod tests {
             assert!((row.grade.sin - 0.04).abs() < 1e-3, "{row:?}");
         }
     }
+
+    #[test]
+    fn weather_and_tyres_act_where_the_vehicle_says_how() {
+        let n = 6000;
+        let trip = Trip {
+            time_s: (0..n).map(|i| i as f64 * 0.1).collect(),
+            speed_m_s: (0..n).map(|i| if i == 0 { 0.0 } else { 10.0 }).collect(),
+            elevation_m: vec![500.0; n],
+            ambient_c: vec![0.0; n],
+            heating_w: vec![100.0; n],
+            ..Trip::empty("winter", n)
+        };
+        let mut vehicle = crate::read::vehicle::load("bmw-i3-60ah-trips").unwrap();
+        let route = Route::of_trip_for(&trip, &vehicle);
+        let conditions = vehicle.trips.as_mut().unwrap();
+        let air = air_density_kg_m3(0.0, 500.0) / 1.2;
+        let warm = conditions.warm_rolling(0.0);
+        assert!(air > 1.0 && warm > 1.5, "{air} {warm}");
+        // 2.5 km on, the tyres are warm but for a 1/e.
+        for (i, cold) in [(1, 1.0), (2500, (-1.0_f64).exp())] {
+            let row = &route.rows[i];
+            assert!((f64::from(row.air_density_factor) - air).abs() < 1e-6);
+            let rolling = warm + cold * conditions.warm_up_factor;
+            assert!((f64::from(row.rolling_factor) - rolling).abs() < 1e-3, "{row:?}");
+            assert!(row.grade.sin.abs() < 1e-9);
+        }
+        conditions.moving_power_w = 40.0;
+        let route = Route::of_trip_for(&trip, &vehicle);
+        assert_eq!([0, 100].map(|i| route.rows[i].auxiliary_w), [100.0, 140.0]);
+        // Without a temperature, or a vehicle that says nothing, all is as the parameters have it.
+        let unknown = Trip { ambient_c: vec![f64::NAN; n], ..trip.clone() };
+        let row = Route::of_trip_for(&unknown, &vehicle).rows[5999];
+        assert!(row.air_density_factor == 1.0 && (row.rolling_factor - 1.0).abs() < 0.1);
+        vehicle.trips = None;
+        let plain = Route::of_trip_for(&trip, &vehicle);
+        let as_parameters = |r: &Row| (r.air_density_factor, r.rolling_factor) == (1.0, 1.0);
+        assert!(plain.rows.len() == n && plain.rows.iter().all(as_parameters));
+    }
 }
