@@ -1,6 +1,7 @@
 #![no_std]
 //! What is counted, and the stacks on which it is called.
 
+pub mod circuits;
 pub mod common;
 pub mod estimators;
 pub mod fast;

@@ -37,7 +37,8 @@ use voltstep_bench::estimators::{self, Estimators};
 use voltstep_bench::pack::{self, Learnt, Rare};
 use voltstep_bench::pids::{Apart, Pids, say_hard_cases};
 use voltstep_bench::{
-    call, call_functions, call_uncounted, end, fast, hprintln, items, manage, painted, pids, report,
+    call, call_functions, call_uncounted, circuits, end, fast, hprintln, items, manage, painted,
+    pids, report,
 };
 
 /// Wheel turns (rad) per metre and motor turns per wheel turn: near enough for realistic inputs.
@@ -92,6 +93,8 @@ fn run() -> Option<()> {
         pi_pid,
         pi_idsp,
         pi_idsp_ram,
+        h_bridge,
+        three_phase,
         num_sqrt,
         fast_sqrt,
         num_exp,
@@ -146,6 +149,7 @@ fn run() -> Option<()> {
     }
     let (mut uncounted, mut apart) = (Pids::new()?, Apart::default());
 
+    let (h_driven, three_driven) = circuits::run(&mut h_bridge, &mut three_phase);
     let (mut pack, mut learnt) = (Estimators::new()?, Learnt::new()?);
 
     for step in 0..BLOCKS * STEPS_PER_BLOCK {
@@ -296,7 +300,7 @@ fn run() -> Option<()> {
         resistance: learnt.resistance, capacity: learnt.capacity, energy_step: learnt.energy,
         energy_report: (), energy_walk: learnt.energy_walk.0, power_ahead: (), power_walk: learnt.walks[0], power_cells: (),
         power_cells_walk: (), cell_resistances: learnt.of_cells.resistances,
-        series: learnt.of_cells.socs,
+        series: learnt.of_cells.socs, h_bridge: h_driven, three_phase: three_driven,
     );
     hprintln!("soc {} {}", common.pid_off.seen.soc, common.torque_off.seen.soc);
     Some(())

@@ -17,7 +17,7 @@ use plant_core::battery::{
     self, Battery, BatteryParams, BatteryState, BranchMap, CurrentLimits, IdentifiedRange,
     MappedBattery, MappedBatteryParams, OpenCircuit, OverSoc, Pack, RcBranch, ResistanceMap,
 };
-use plant_core::circuit::{self, CircuitInput};
+use plant_core::circuit::{self, CircuitInput, Phases};
 use plant_core::control::driver::{Driver, TorqueDriver};
 use plant_core::control::foc::reference::Torque;
 use plant_core::control::foc::{Foc, FocState};
@@ -137,7 +137,7 @@ fn components() {
         Contactor::new, Contactor::step, plant_core::link::ContactorState::is_closed, <Contactor as Model>::step, LinkState::charged_to, Link::new,
         Link::step, <Link as Model>::step,
         Circuit::new, circuit::Circuit::<4, 6, 6, 16>::tabled, Circuit::branches, Circuit::step, circuit::Circuit::<4, 6, 6, 16>::step, Circuit::books, <Circuit as Model>::step,
-        CircuitInput::<6>::of, circuit::sources::<6>, circuit::two_states::<6>,
+        Phases::new, Phases::coil, Phases::constants_nm_per_a, CircuitInput::<6>::of, circuit::sources::<6>, circuit::two_states::<6>,
         Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,
         BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::faded,
         Battery::next, CurrentLimits::within, Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,

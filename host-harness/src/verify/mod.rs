@@ -12,6 +12,7 @@
 mod adaptive;
 mod battery_map;
 mod bench;
+mod bridge;
 mod circuit;
 mod components;
 #[cfg_attr(not(test), expect(dead_code, reason = "for cases of several drives"))]
@@ -201,6 +202,7 @@ fn cases() -> Vec<Case> {
     cases.extend(parts::CASES);
     cases.extend(link::CASES);
     cases.extend(circuit::CASES);
+    cases.extend(bridge::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);
     cases

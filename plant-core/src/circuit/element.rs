@@ -104,14 +104,6 @@ pub enum Element {
     },
 }
 
-/// How a two-state element conducts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
-    Blocking,
-    Forward,
-    Reverse,
-}
-
 impl Element {
     /// The diode of the reference system: 1 µA, 40 mV, exponent up to 15, 1e8 Ω
     /// \[EPowertrain2025, table of defaults\].
@@ -135,6 +127,11 @@ impl Element {
     /// Whether it conducts or blocks, with a conductance for each.
     pub(super) const fn two_state(&self) -> bool {
         matches!(self, Self::Switch { .. } | Self::Diode { .. } | Self::Transistor { .. })
+    }
+
+    /// Whether its current or voltage lasts from step to step.
+    pub(super) const fn stores(&self) -> bool {
+        matches!(self, Self::Coil { .. } | Self::Capacitor { .. } | Self::VariableCapacitor)
     }
 
     /// Whether its conductance is known only within a step.
@@ -226,25 +223,12 @@ impl Element {
         }
     }
 
-    /// The voltage drops, forward and backward, of a two-state element, and whether it conducts both
-    /// ways without asking for a sign.
-    #[inline]
-    pub(super) const fn drops_v(&self, gate: bool) -> Drops {
+    /// The voltage drops, forward and backward, of a two-state element.
+    pub(super) const fn drop_v(&self) -> (Real, Real) {
         match *self {
-            Self::Switch { .. } => {
-                Drops { forward: 0.0, reverse: 0.0, closed: gate, one_way: gate, back: false }
-            }
-            Self::Diode { drop_v, .. } => {
-                Drops { forward: drop_v, reverse: 0.0, closed: false, one_way: true, back: false }
-            }
-            Self::Transistor { drop_v, diode_drop_v, .. } => Drops {
-                forward: drop_v,
-                reverse: diode_drop_v,
-                closed: gate && drop_v == 0.0,
-                one_way: gate,
-                back: true,
-            },
-            _ => Drops { forward: 0.0, reverse: 0.0, closed: false, one_way: false, back: false },
+            Self::Diode { drop_v, .. } => (drop_v, 0.0),
+            Self::Transistor { drop_v, diode_drop_v, .. } => (drop_v, diode_drop_v),
+            _ => (0.0, 0.0),
         }
     }
 
@@ -292,17 +276,67 @@ impl Element {
 /// What keeps a transistor that is off tied to its nodes \[S\]; that of SPICE.
 const LEAST_S: Real = 1e-12;
 
-/// The voltages that a two-state element asks for.
-#[derive(Clone, Copy)]
-pub(super) struct Drops {
-    pub forward: Real,
-    pub reverse: Real,
-    /// Conducts whatever the sign.
-    pub closed: bool,
-    /// May conduct forward.
-    pub one_way: bool,
-    /// May conduct backward.
-    pub back: bool,
+/// The two-state elements of a circuit, a bit for each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Devices {
+    pub all: u32,
+    /// Conduct forward only while the gate is on.
+    pub gated: u32,
+    /// And then both ways.
+    pub level: u32,
+    /// Conduct backward at any time.
+    pub back: u32,
+    /// Have a voltage drop.
+    pub drop: u32,
+}
+
+impl Devices {
+    /// The conducting elements as a number, the first two-state element being the lowest bit.
+    #[inline(always)]
+    pub(super) const fn configuration(&self, conducts: u32) -> usize {
+        let first = self.all.trailing_zeros();
+        let in_a_row = self.all.wrapping_shr(first);
+        if in_a_row & in_a_row.wrapping_add(1) == 0 {
+            return (conducts & self.all).wrapping_shr(first) as usize;
+        }
+        let (mut configuration, mut device, mut left) = (0, 0, self.all);
+        while left != 0 {
+            configuration |= (conducts >> left.trailing_zeros() & 1) << device;
+            device += 1;
+            left &= left - 1;
+        }
+        configuration as usize
+    }
+
+    pub(super) const fn of<const E: usize>(branches: &[Branch; E]) -> Self {
+        let mut devices = Self { all: 0, gated: 0, level: 0, back: 0, drop: 0 };
+        let mut e = 0;
+        while e < E && e < 32 {
+            let (element, bit) = (&branches[e].element, 1 << e);
+            if element.two_state() {
+                devices.all |= bit;
+                if element.drives() {
+                    devices.drop |= bit;
+                }
+            }
+            match *element {
+                Element::Switch { .. } => {
+                    devices.gated |= bit;
+                    devices.level |= bit;
+                }
+                Element::Transistor { drop_v, .. } => {
+                    devices.gated |= bit;
+                    devices.back |= bit;
+                    if drop_v == 0.0 {
+                        devices.level |= bit;
+                    }
+                }
+                _ => {}
+            }
+            e += 1;
+        }
+        devices
+    }
 }
 
 struct Level1 {

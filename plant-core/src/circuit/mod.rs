@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `element` | what a circuit is made of, and the curves of diode and MOS |
 //! | `network` | the linear equations, along a spanning tree |
+//! | `phases` | a synchronous machine as three coils |
 //! | `settle` | which switches conduct; Newton's iteration for the curves |
 //! | `books` | power of a step, what the method itself swallows |
 //! | `error` | why a circuit is refused |
@@ -41,15 +42,18 @@ mod books;
 mod element;
 mod error;
 mod network;
+mod phases;
 mod settle;
 
 pub use books::Books;
 pub use element::{Branch, Element};
 pub use error::CircuitError;
+pub use phases::Phases;
 pub use settle::ROUNDS;
 
 use crate::model::{Dt, Model};
 use crate::num::{Accum, Real};
+use element::Devices;
 use network::Network;
 
 /// How a step approximates a derivative.
@@ -102,6 +106,11 @@ pub struct Circuit<
     /// Conductance of each element, blocking and conducting; those that vary stay zero.
     blocking_s: [Real; ELEMENTS],
     conducting_s: [Real; ELEMENTS],
+    devices: Devices,
+    /// Bit e: element e is a coil or a capacitor.
+    stores: u32,
+    /// Voltage drops, forward and backward.
+    drop_v: [(Real, Real); ELEMENTS],
     /// The elements that can drive a current.
     drives: [usize; SOURCES],
     table: [Response<ELEMENTS, SOURCES>; CONFIGURATIONS],
@@ -266,6 +275,9 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
             per_s,
             blocking_s: [0.0; E],
             conducting_s: [0.0; E],
+            devices: Devices::of(&branches),
+            stores: 0,
+            drop_v: [(0.0, 0.0); E],
             drives: [0; S],
             table: [empty; C],
         };
@@ -287,6 +299,8 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
                 return Err(CircuitError::Shorted(e));
             }
             circuit.blocking_s[e] = element.conductance_s(per_s, false, 1.0);
+            circuit.drop_v[e] = element.drop_v();
+            circuit.stores |= (element.stores() as u32) << e;
             circuit.conducting_s[e] = element.conductance_s(per_s, true, 1.0);
             typical_s[e] = if element.curved() { 1.0 } else { circuit.blocking_s[e] };
             e += 1;
@@ -348,41 +362,51 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
 
     /// Advances by one step.
     pub fn step(&self, state: &mut CircuitState<E>, input: CircuitInput<E>) -> CircuitOutput<E> {
+        let out = match self.method {
+            Method::BackwardEuler => self.advance(state, &input, false),
+            Method::Trapezoidal => self.trapezoidal(state, &input),
+        };
+        out.unwrap_or(CircuitOutput {
+            voltage_v: [0.0; E],
+            current_a: [0.0; E],
+            rounds: 0,
+            settled: false,
+            missed_a: 0.0,
+            rejected: true,
+        })
+    }
+
+    fn trapezoidal(
+        &self,
+        state: &mut CircuitState<E>,
+        input: &CircuitInput<E>,
+    ) -> Option<CircuitOutput<E>> {
         let mut next = *state;
-        let mut out = self.advance(&mut next, &input, self.method == Method::Trapezoidal);
-        let switched = (next.forward | next.reverse) != (state.forward | state.reverse);
-        if self.method == Method::Trapezoidal && switched {
+        let mut out = self.advance(&mut next, input, true);
+        if (next.forward | next.reverse) != (state.forward | state.reverse) {
             next = *state;
-            let first = self.advance(&mut next, &input, false);
-            out = self.advance(&mut next, &input, false);
-            out.rounds += first.rounds;
-            out.settled &= first.settled;
+            let first = self.advance(&mut next, input, false)?;
+            out = self.advance(&mut next, input, false);
+            if let Some(second) = &mut out {
+                second.rounds += first.rounds;
+                second.settled &= first.settled;
+            }
         }
-        let mut sum = 0.0;
-        for e in 0..E {
-            sum += out.voltage_v[e].abs() + out.current_a[e].abs() + input.values[e].abs();
+        if out.is_some() {
+            *state = next;
         }
-        if !crate::num::sound(sum) {
-            return CircuitOutput {
-                voltage_v: [0.0; E],
-                current_a: [0.0; E],
-                rounds: out.rounds,
-                settled: false,
-                missed_a: 0.0,
-                rejected: true,
-            };
-        }
-        *state = next;
         out
     }
 
-    /// One step, or half of one; `memory`: by the trapezoidal rule.
+    /// One step, or half of one, or nothing and no change where its input is not finite or absurd;
+    /// `memory`: by the trapezoidal rule.
+    #[inline(always)]
     fn advance(
         &self,
         state: &mut CircuitState<E>,
         input: &CircuitInput<E>,
         memory: bool,
-    ) -> CircuitOutput<E> {
+    ) -> Option<CircuitOutput<E>> {
         let mut drive = [0.0; E];
         let weight = if memory { 1.0 } else { 0.0 };
         for e in 0..E {
@@ -398,8 +422,27 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
                 _ => 0.0,
             };
         }
+        let before = *state;
         let out = self.settle(state, input, drive);
+        // What is not a number spreads to every element; what is absurd would stay in those that store.
+        let mut sum = out.voltage_v.first().map_or(0.0, |v| v.abs());
         for e in 0..E {
+            sum += input.values[e].abs();
+            if self.stores >> e & 1 == 1 {
+                sum += out.voltage_v[e].abs() + out.current_a[e].abs();
+            }
+        }
+        if !crate::num::sound(sum) {
+            (state.forward, state.reverse) = (before.forward, before.reverse);
+            if C == 0 {
+                *state = before;
+            }
+            return None;
+        }
+        for e in 0..E {
+            if self.stores >> e & 1 == 0 {
+                continue;
+            }
             let (voltage_v, current_a) = (out.voltage_v[e], out.current_a[e]);
             match self.branches[e].element {
                 Element::Coil { ohm, .. } => {
@@ -421,7 +464,7 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
                 _ => {}
             }
         }
-        out
+        Some(out)
     }
 }
 

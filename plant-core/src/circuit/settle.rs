@@ -1,6 +1,6 @@
 //! Which elements conduct, and where on its curve an element lies.
 
-use super::element::{Branch, Element, Mode};
+use super::element::{Branch, Element};
 use super::network::{Network, Solution};
 use super::{Circuit, CircuitInput, CircuitOutput, CircuitState};
 use crate::num::{Accum, Real, max};
@@ -20,13 +20,20 @@ const MET_OF_DRIVE: Real = 1e-6;
 impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, E, S, C> {
     /// Solves a step whose linear elements are driven by `drive`, and leaves in `state` what conducts
     /// and where the curves are.
+    #[inline(always)]
     pub(super) fn settle(
         &self,
         state: &mut CircuitState<E>,
         input: &CircuitInput<E>,
         mut drive: [Real; E],
     ) -> CircuitOutput<E> {
-        self.gate(state, input.gates);
+        let devices = &self.devices;
+        let may = May {
+            forward: devices.all & (!devices.gated | input.gates),
+            both: devices.level & input.gates,
+        };
+        // What the gates decide by themselves.
+        state.forward = state.forward & may.forward | may.both & !state.reverse;
         let mut out = CircuitOutput {
             voltage_v: [0.0; E],
             current_a: [0.0; E],
@@ -37,50 +44,37 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
         };
         while out.rounds < ROUNDS && !out.settled {
             out.rounds += 1;
-            self.drops(state, &mut drive, input.gates);
-            let found = if C > 0 {
-                self.looked_up(state, &drive)
+            self.drops(state, &mut drive, may);
+            if C > 0 {
+                self.looked_up(state, &drive, &mut out);
             } else {
-                self.solved(state, input, &mut drive, &mut out.missed_a)
-            };
-            (out.voltage_v, out.current_a) = (found.voltage_v, found.current_a);
-            let (forward, reverse) = self.judge(state, input, &out);
-            let same = forward == state.forward && reverse == state.reverse;
+                let found = self.solved(state, input, &mut drive, &mut out.missed_a);
+                (out.voltage_v, out.current_a) = (found.voltage_v, found.current_a);
+            }
+            let (forward, reverse) = self.judge(state, may, &out);
+            let conducts = forward | reverse;
+            // Where there is no drop, which way it conducts changes nothing.
+            let turned = (forward ^ state.forward) & devices.drop & !may.both;
+            let same = conducts == (state.forward | state.reverse) && turned & conducts == 0;
             out.settled = same && out.missed_a <= 0.0;
             (state.forward, state.reverse) = (forward, reverse);
         }
         out
     }
 
-    /// What the gates decide by themselves.
-    fn gate(&self, state: &mut CircuitState<E>, gates: u32) {
-        for e in 0..E {
-            let element = &self.branches[e].element;
-            if !element.two_state() {
-                continue;
-            }
-            let drops = element.drops_v(on(gates, e));
-            if !drops.one_way {
-                state.forward &= !(1 << e);
-            } else if drops.closed && !on(state.reverse, e) {
-                state.forward |= 1 << e;
-            }
-        }
-    }
-
     /// What drives the elements that conduct against their voltage drops.
-    fn drops(&self, state: &CircuitState<E>, drive: &mut [Real; E], gates: u32) {
+    #[inline(always)]
+    fn drops(&self, state: &CircuitState<E>, drive: &mut [Real; E], may: May) {
         for e in 0..E {
-            let element = &self.branches[e].element;
-            if element.two_state() && element.drives() {
-                let drops = element.drops_v(on(gates, e));
+            if on(self.devices.drop, e) {
                 let step_s = self.conducting_s[e] - self.blocking_s[e];
-                drive[e] = if drops.closed {
+                let (forward_v, reverse_v) = self.drop_v[e];
+                drive[e] = if on(may.both, e) {
                     0.0
                 } else if on(state.forward, e) {
-                    -step_s * drops.forward
+                    -step_s * forward_v
                 } else if on(state.reverse, e) {
-                    step_s * drops.reverse
+                    step_s * reverse_v
                 } else {
                     0.0
                 };
@@ -89,18 +83,11 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
     }
 
     /// The solution of a configuration from its table.
-    fn looked_up(&self, state: &CircuitState<E>, drive: &[Real; E]) -> Solution<E> {
-        let mut found = Solution { voltage_v: [0.0; E], current_a: [0.0; E] };
+    #[inline(always)]
+    fn looked_up(&self, state: &CircuitState<E>, drive: &[Real; E], out: &mut CircuitOutput<E>) {
         let conducts = state.forward | state.reverse;
-        let (mut configuration, mut device) = (0, 0);
-        for e in 0..E {
-            if self.branches[e].element.two_state() {
-                configuration |= usize::from(on(conducts, e)) << device;
-                device += 1;
-            }
-        }
-        let Some(response) = self.table.get(configuration) else {
-            return found;
+        let Some(response) = self.table.get(self.devices.configuration(conducts)) else {
+            return;
         };
         let mut driving = [0.0; S];
         for (value, e) in driving.iter_mut().zip(self.drives) {
@@ -113,15 +100,13 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
             }
             let conductance_s =
                 if on(conducts, e) { self.conducting_s[e] } else { self.blocking_s[e] };
-            let source = conductance_s == Real::INFINITY;
-            (found.voltage_v[e], found.current_a[e]) = if on(response.by_current, e) {
-                let voltage_v = if source { drive[e] } else { (sum - drive[e]) / conductance_s };
-                (voltage_v, sum)
+            (out.voltage_v[e], out.current_a[e]) = if on(response.by_current, e) {
+                let source = conductance_s == Real::INFINITY;
+                (if source { drive[e] } else { (sum - drive[e]) / conductance_s }, sum)
             } else {
                 (sum, conductance_s * sum + drive[e])
             };
         }
-        found
     }
 
     /// The solution with each curve along its tangent. `missed_a`: by how much the worst of them lies
@@ -177,56 +162,88 @@ impl<const N: usize, const E: usize, const S: usize, const C: usize> Circuit<N, 
     }
 
     /// What would conduct by this solution: bits forward, bits backward.
-    fn judge(
-        &self,
-        state: &CircuitState<E>,
-        input: &CircuitInput<E>,
-        out: &CircuitOutput<E>,
-    ) -> (u32, u32) {
-        let careful = out.rounds > CAREFUL;
-        let (mut largest_v, mut largest_a) = (0.0, 0.0);
+    #[inline(always)]
+    fn judge(&self, state: &CircuitState<E>, may: May, out: &CircuitOutput<E>) -> (u32, u32) {
+        let conducts = (state.forward, state.reverse);
+        if out.rounds > CAREFUL {
+            return self.judge_carefully(conducts, may, out);
+        }
+        let (mut forward, mut reverse) = (0, 0);
         for e in 0..E {
-            if careful {
-                largest_v = max(largest_v, out.voltage_v[e].abs());
-                largest_a = max(largest_a, out.current_a[e].abs());
+            if on(self.devices.all, e) {
+                let (is_forward, is_reverse) = self.judge_one(e, conducts, may, out, (0.0, 0.0));
+                forward |= u32::from(is_forward) << e;
+                reverse |= u32::from(is_reverse) << e;
             }
         }
-        let (mut forward, mut reverse) = (state.forward, state.reverse);
+        (forward, reverse)
+    }
+
+    /// The same up to the first that changes, rounding being no reason.
+    #[cold]
+    #[inline(never)]
+    fn judge_carefully(
+        &self,
+        conducts: (u32, u32),
+        may: May,
+        out: &CircuitOutput<E>,
+    ) -> (u32, u32) {
+        let mut rounding = (0.0, 0.0);
         for e in 0..E {
-            let element = &self.branches[e].element;
-            if !element.two_state() {
+            rounding.0 = max(rounding.0, ROUNDING * out.voltage_v[e].abs());
+            rounding.1 = max(rounding.1, ROUNDING * out.current_a[e].abs());
+        }
+        let (mut forward, mut reverse) = conducts;
+        for e in 0..E {
+            if !on(self.devices.all, e) {
                 continue;
             }
-            let drops = element.drops_v(on(input.gates, e));
-            let (voltage_v, current_a) = (out.voltage_v[e], out.current_a[e]);
-            let mode = if drops.closed {
-                // Which way matters once its gate goes off.
-                if current_a < 0.0 && drops.back { Mode::Reverse } else { Mode::Forward }
-            } else if on(state.forward, e) {
-                let least_a = self.blocking_s[e] * drops.forward - ROUNDING * largest_a;
-                let holds = drops.one_way && current_a >= least_a;
-                if holds { Mode::Forward } else { Mode::Blocking }
-            } else if on(state.reverse, e) {
-                let least_a = self.blocking_s[e] * drops.reverse - ROUNDING * largest_a;
-                let holds = drops.back && -current_a >= least_a;
-                if holds { Mode::Reverse } else { Mode::Blocking }
-            } else if drops.one_way && voltage_v > drops.forward + ROUNDING * largest_v {
-                Mode::Forward
-            } else if drops.back && -voltage_v > drops.reverse + ROUNDING * largest_v {
-                Mode::Reverse
-            } else {
-                Mode::Blocking
-            };
+            let (is_forward, is_reverse) = self.judge_one(e, conducts, may, out, rounding);
             let bit = 1 << e;
-            let was = (forward & bit != 0) || (reverse & bit != 0);
-            forward = if mode == Mode::Forward { forward | bit } else { forward & !bit };
-            reverse = if mode == Mode::Reverse { reverse | bit } else { reverse & !bit };
-            if careful && was != (mode != Mode::Blocking) {
+            forward = if is_forward { forward | bit } else { forward & !bit };
+            reverse = if is_reverse { reverse | bit } else { reverse & !bit };
+            if on(conducts.0 | conducts.1, e) != (is_forward || is_reverse) {
                 break;
             }
         }
         (forward, reverse)
     }
+
+    /// Whether an element would conduct forward, or backward.
+    #[inline(always)]
+    fn judge_one(
+        &self,
+        e: usize,
+        (forward, reverse): (u32, u32),
+        may: May,
+        out: &CircuitOutput<E>,
+        (rounding_v, rounding_a): (Real, Real),
+    ) -> (bool, bool) {
+        let (voltage_v, current_a) = (out.voltage_v[e], out.current_a[e]);
+        let (forward_v, reverse_v) = self.drop_v[e];
+        let back = on(self.devices.back, e);
+        let least_a = |drop_v: Real| self.blocking_s[e] * drop_v - rounding_a;
+        if on(may.both, e) {
+            // Which way matters once its gate goes off.
+            let turned = back && current_a < 0.0;
+            (!turned, turned)
+        } else if on(forward, e) {
+            (on(may.forward, e) && current_a >= least_a(forward_v), false)
+        } else if on(reverse, e) {
+            (false, back && -current_a >= least_a(reverse_v))
+        } else {
+            let begins = on(may.forward, e) && voltage_v > forward_v + rounding_v;
+            (begins, !begins && back && -voltage_v > reverse_v + rounding_v)
+        }
+    }
+}
+
+/// What the gates allow in a step: bits of the elements that may conduct forward, and of those that
+/// conduct both ways.
+#[derive(Clone, Copy)]
+struct May {
+    forward: u32,
+    both: u32,
 }
 
 /// Whether a bit is set.

@@ -60,6 +60,8 @@ const ITEMS: &[(&str, &str)] = &[
     ("speed_sensor", "axial speed sensor"),
     ("time_table", "time table (UDDS, 11 kB, in its flash)"),
     ("sine", "sine"),
+    ("h_bridge", "switched H-bridge with a DC motor, steps of 10 µs, 10 kHz with dead time"),
+    ("three_phase", "switched three-phase bridge with a synchronous machine, the same"),
 ];
 
 /// How many of them are whole plants that a loop has time for.
@@ -67,6 +69,9 @@ const PLANTS: usize = 14;
 
 /// What a second DC drive may add to a step.
 const SECOND_DC: f64 = 190.0;
+
+/// What a step of a switched circuit may take in the mean, commutation included: within 10 µs.
+const SWITCHED: &[(&str, f64)] = &[("h_bridge", 400.0), ("three_phase", 1000.0)];
 
 /// What the same plant in C is compared with.
 const COMPARED: &str = "plant_pid_off";
@@ -141,6 +146,10 @@ pub fn counts() -> Result<()> {
         .map(|(name, about)| Ok((*about, measured.cost(name)?)))
         .collect::<Result<_>>()?;
     second_dc(measured.cost("plant_dc_off")?, measured.cost("plant_dcs_off")?)?;
+    for (item, most) in SWITCHED {
+        let mean = measured.cost(item)?.mean;
+        ensure!(mean <= *most, "`{item}` takes {mean:.1} instructions, not {most}");
+    }
     let ours = measured.cost(COMPARED)?;
     let plugin = plugin(&firmware::binary("voltstep-bench")?)?;
     let compared = compare::table((ours.mean, ours.flash, ours.state), &plugin)?;

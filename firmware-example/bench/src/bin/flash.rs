@@ -7,7 +7,7 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use panic_halt as _;
-use voltstep_bench::{estimators, fast, items, manage, pack, pids};
+use voltstep_bench::{circuits, estimators, fast, items, manage, pack, pids};
 
 const ITEM: &str = match option_env!("VOLTSTEP_ITEM") {
     Some(item) => item,
@@ -35,6 +35,7 @@ fn main() -> ! {
         bench_voltage_sensor bench_current_sensor bench_speed_sensor bench_time_table bench_sine
     );
     keep!(pids: bench_pi bench_pi_ram bench_pi_pid bench_pi_idsp bench_pi_idsp_ram);
+    keep!(circuits: bench_h_bridge bench_three_phase);
     keep!(fast: bench_num_sqrt bench_fast_sqrt bench_num_exp bench_fast_exp);
     keep!(
         estimators: bench_ekf_update bench_ekf_refresh bench_counter_step bench_counter_review

@@ -4,6 +4,7 @@
 //! The runs themselves are those of the cases beside this folder.
 
 mod bench;
+mod bridge;
 mod motor;
 mod pmsm;
 mod udds;
@@ -26,8 +27,15 @@ pub struct Experiment {
 }
 
 /// Every experiment.
-pub const EXPERIMENTS: &[Experiment] =
-    &[motor::STEP, bench::BENCH, udds::ENERGY, pmsm::START, pmsm::WEAKENING];
+pub const EXPERIMENTS: &[Experiment] = &[
+    motor::STEP,
+    bench::BENCH,
+    udds::ENERGY,
+    pmsm::START,
+    pmsm::WEAKENING,
+    bridge::START,
+    bridge::OPEN,
+];
 
 /// What an experiment came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -234,3 +234,22 @@ pub const BUCK_INPUT: Bound = Bound {
     reason: "first order: half of each step's rise, 0.12 A",
     ..BUCK_VOLTAGE
 };
+pub const BRIDGE_SPEED: Bound = Bound::new(
+    "steady speed, averaged and switched [rad/s]",
+    None,
+    Absolute(0.5),
+    CLOSED,
+    "the drops count by their fundamental only, and the current's ripple shifts where they turn",
+);
+pub const DEAD_TIME_SPEED: Bound = Bound {
+    within: Absolute(2.0),
+    reason: "near its zero a current stands still in the dead time, which takes less than its full share",
+    ..BRIDGE_SPEED
+};
+pub const ONE_OPEN: Bound = Bound::new(
+    "largest current out of the leg over that into it",
+    None,
+    AtMost(0.05),
+    CLOSED,
+    "what is left flows through the lower diode while the back-EMF drives it",
+);
