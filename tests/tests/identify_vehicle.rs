@@ -186,12 +186,16 @@ fn options(name: &str, template: &str) -> VehicleOptions {
     VehicleOptions { name: name.to_owned(), command: String::new(), template: template.to_owned() }
 }
 
-/// What is found of one vehicle of the fleet: how many standard errors each parameter is off.
-fn offs(seed: u64) -> Vec<(&'static str, f64)> {
+/// A vehicle of the fleet, and the trips that it drives.
+fn fleet(seed: u64) -> (Truth, Vec<Trip>) {
     let mut random = fastrand::Rng::with_seed(seed);
     let truth = Truth::new(&mut random);
     let vehicle = truth.vehicle();
     let trips = (0..TRIPS).map(|i| driven(&truth, &vehicle, i, &mut random)).collect();
+    (truth, trips)
+}
+
+fn found(trips: Vec<Trip>) -> IdentifiedVehicle {
     let folder = tempfile::tempdir().unwrap();
     let template = folder.path().join("fleet.toml");
     // The fleet's heights are sound: they need little smoothing.
@@ -199,8 +203,13 @@ fn offs(seed: u64) -> Vec<(&'static str, f64)> {
         + "[trips]\nspeed_smoothing_s = 0.15\nheight_smoothing_m = 40.0\nrolling_factor = [[15, 1]]\n\
            warm_up_factor = 0\nwarm_up_m = 2500\nmoving_power_w = 0\n";
     std::fs::write(&template, text).unwrap();
-    let options = options("fleet", template.to_str().unwrap());
-    let found = vehicle_of_trips(trips, options, &|_| Ok(())).unwrap();
+    vehicle_of_trips(trips, options("fleet", template.to_str().unwrap()), &|_| Ok(())).unwrap()
+}
+
+/// What is found of one vehicle of the fleet: how many standard errors each parameter is off.
+fn offs(seed: u64) -> Vec<(&'static str, f64)> {
+    let (truth, trips) = fleet(seed);
+    let found = found(trips);
     assert_eq!(found.expected.count, TRIPS as usize, "seed {seed}: a trip is marked");
     let parameter = |name: &str| found.parameters.iter().find(|p| p.name == name).unwrap().clone();
     (truth.parameters.iter())
@@ -243,6 +252,21 @@ fn a_synthetic_fleet_is_found_again() {
 #[ignore = "minutes: cargo test --release -p voltstep-tests --test identify_vehicle -- --ignored"]
 fn a_synthetic_fleet_of_fifty_is_found_again() {
     recovered(0..50);
+}
+
+#[test]
+fn a_trip_that_contradicts_itself_is_marked_and_never_fitted() {
+    let (_, mut trips) = fleet(7);
+    trips[3].battery_v.iter_mut().for_each(|v| *v *= 1.2);
+    let with = found(trips.clone());
+    trips.remove(3);
+    let without = found(trips);
+    let marked: Vec<_> = with.left_out.iter().filter(|r| !r.doubts.is_empty()).collect();
+    assert!(marked.len() == 1 && marked[0].name == "3", "{marked:?}");
+    assert!(marked[0].doubts[0].contains("contradict each other"), "{marked:?}");
+    assert_eq!((with.expected.count, with.expected_of_all.count), (13, 14));
+    let values = |of: &IdentifiedVehicle| of.parameters.iter().map(|p| p.value).collect::<Vec<_>>();
+    assert_eq!(values(&with), values(&without));
 }
 
 /// Identified from one half of the real trips; judged on the other.
