@@ -1,6 +1,6 @@
 /*
- * Drives a vehicle along UDDS at 1 kHz through the C interface and says the hash of every bit of
- * its state after every step: the same as the firmware and the PC say (golden.toml). Checks on the
+ * Drives vehicles along UDDS at 1 kHz through the C interface and says the hash of every bit of
+ * their state after every step: the same as the firmware and the PC say (golden.toml). Checks on the
  * way that mistakes get their code.
  */
 #include <stdint.h>
@@ -14,6 +14,16 @@ static void hash_sum(VoltstepSum sum)
 {
     hash_float(sum.value);
     hash_float(sum.lost);
+}
+
+static void hash_drive(const VoltstepDriveParams *drive, const VoltstepDriveSnapshot *now)
+{
+    if (drive->machine == VOLTSTEP_MACHINE_PMSM) {
+        hash_sum(now->d_a);
+        hash_sum(now->q_a);
+    } else {
+        hash_sum(now->current_a);
+    }
 }
 
 /* Says what went wrong, in the library's words. */
@@ -56,7 +66,7 @@ static int mistakes(void)
     wrong += expect(voltstep_plant_init((VoltstepPlant *)((uintptr_t)&plant + 1), &params, 1e-3f),
                     VOLTSTEP_STATUS_MISALIGNED);
     wrong += expect(voltstep_plant_init(&plant, &params, -1.0f), VOLTSTEP_STATUS_DT_S);
-    params.motor.inductance_h = 0.0f;
+    params.drives[0].motor.inductance_h = 0.0f;
     VoltstepStatus status = voltstep_plant_init(&plant, &params, 1e-3f);
     wrong += expect(status, VOLTSTEP_STATUS_MOTOR_INDUCTANCE_H);
     if (!same(voltstep_error_message(status),
@@ -87,7 +97,9 @@ static int drive(const char *name, VoltstepPreset preset)
         cycle_step(&cycle, &inputs.reference_m_s, &inputs.reference_m_s2);
         status = voltstep_step(&plant, &state, &inputs, 0);
         voltstep_state_snapshot(&state, &now);
-        hash_sum(now.current_a);
+        for (uint32_t k = 0; k < params.drive_count; k++) {
+            hash_drive(&params.drives[k], &now.drives[k]);
+        }
         hash_sum(now.speed_m_s);
         hash_sum(now.distance_m);
         hash_sum(now.soc);
@@ -105,5 +117,7 @@ static int drive(const char *name, VoltstepPreset preset)
 int main(void)
 {
     return mistakes() + drive("epowertrain-udds", VOLTSTEP_PRESET_EPOWERTRAIN_UDDS) +
-           drive("bmw-i3-60ah-constant", VOLTSTEP_PRESET_BMW_I3_CONSTANT);
+           drive("bmw-i3-60ah-constant", VOLTSTEP_PRESET_BMW_I3_CONSTANT) +
+           drive("bmw-i3-60ah-pmsm", VOLTSTEP_PRESET_BMW_I3_PMSM) +
+           drive("two-axles", VOLTSTEP_PRESET_TWO_AXLES);
 }

@@ -1,7 +1,7 @@
 /*
- * Voltstep for C: an EV powertrain (battery, converter, DC motor, gearbox, wheels, body) with its
- * driver, in fixed steps, and the estimators of a battery; single precision, without allocation;
- * bit for bit the same on a Cortex-M4F and on a PC.
+ * Voltstep for C: an EV powertrain (battery, up to four drives of converter, DC or synchronous
+ * machine and gearbox, wheels, body) with its driver, in fixed steps, and the estimators of a
+ * battery; single precision, without allocation; bit for bit the same on a Cortex-M4F and on a PC.
  *
  *   VoltstepParams params;
  *   voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, &params);
@@ -69,18 +69,21 @@
 // Calls of `voltstep_series_power_walk` until the answer is there.
 #define VOLTSTEP_SERIES_SLICES 18
 
-// Words (4 bytes) of a `VoltstepPlant`.
-#define VOLTSTEP_PLANT_WORDS 192
+// Words (8 bytes) of a `VoltstepPlant`.
+#define VOLTSTEP_PLANT_WORDS 128
 
 // Words (4 bytes) of a `VoltstepState`.
-#define VOLTSTEP_STATE_WORDS 48
+#define VOLTSTEP_STATE_WORDS 64
 
 // Version of this interface. `VoltstepParams.abi` must hold it, so that a header and a library
 // that do not belong together are noticed.
-#define VOLTSTEP_ABI 1
+#define VOLTSTEP_ABI 2
 
 // Points of an open-circuit table: at state of charge i/64, i = 0..64.
 #define VOLTSTEP_SOC_POINTS 65
+
+// Drives of a vehicle, at most.
+#define VOLTSTEP_DRIVES 4
 
 // What a call ended with; `voltstep_error_message` has the words. Codes from 99 on are
 // parameters: each is one field and the rule that it broke. Numbers do not change between
@@ -123,6 +126,10 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_RECORD_UNKNOWN = 14,
   // The checksum of the record does not fit: a torn write, or memory gone bad.
   VOLTSTEP_STATUS_RECORD_CORRUPTED = 15,
+  // The state was initialised by a plant with other drives.
+  VOLTSTEP_STATUS_STATE_OF_OTHER_DRIVES = 16,
+  // A duty beside a torque, or for drives that take none: only one DC drive does.
+  VOLTSTEP_STATUS_DUTY_NOT_TAKEN = 17,
   // No such preset.
   VOLTSTEP_STATUS_UNKNOWN_PRESET = 20,
   // `battery.model` is none of `VoltstepBatteryModel`.
@@ -137,6 +144,12 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_UNKNOWN_WINDUP = 25,
   // No such preset of a cell.
   VOLTSTEP_STATUS_UNKNOWN_CELL_PRESET = 26,
+  // `drives.machine` is none of `VoltstepMachine`.
+  VOLTSTEP_STATUS_UNKNOWN_MACHINE = 27,
+  // `drive_count` is not in 1..`VOLTSTEP_DRIVES`.
+  VOLTSTEP_STATUS_DRIVE_COUNT = 28,
+  // `driver` is a duty's, which drives one DC machine only.
+  VOLTSTEP_STATUS_DRIVER_OF_ONE_DC = 29,
   // A parameter is out of range, and this version has no code of its own for it.
   VOLTSTEP_STATUS_PARAMETER = 99,
   // `dt_s` must be finite and between 1e-12 and 1e12.
@@ -185,6 +198,8 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_CONVERTER_RESISTANCE_OHM = 153,
   // `converter.current_limit_a` must be at least 1e-12 (infinity: no limit).
   VOLTSTEP_STATUS_CONVERTER_CURRENT_LIMIT_A = 154,
+  // `converter.voltage_drop_v` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_CONVERTER_VOLTAGE_DROP_V_RANGE = 155,
   // `motor.resistance_ohm` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_MOTOR_RESISTANCE_OHM = 160,
   // `motor.inductance_h` must be finite and between 1e-12 and 1e12.
@@ -259,6 +274,36 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_TORQUE_BRAKE_LIMIT_N = 236,
   // `driver.torque.current_rate_per_s` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_TORQUE_CURRENT_RATE_PER_S = 237,
+  // `pmsm.flux.magnet_wb` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_PMSM_FLUX_MAGNET_WB = 240,
+  // `pmsm.flux.magnet_wb` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_PMSM_FLUX_MAGNET_WB_RANGE = 241,
+  // `pmsm.flux.d_h` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_PMSM_FLUX_DH = 242,
+  // `pmsm.flux.q_h` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_PMSM_FLUX_QH = 243,
+  // `pmsm.resistance_ohm` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_PMSM_RESISTANCE_OHM = 244,
+  // `pmsm.resistance_per_k` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_PMSM_RESISTANCE_PER_K = 245,
+  // `pmsm.resistance_per_k` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_PMSM_RESISTANCE_PER_K_RANGE = 246,
+  // `pmsm.pole_pairs` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_PMSM_POLE_PAIRS = 247,
+  // `pmsm.pole_pairs` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_PMSM_POLE_PAIRS_RANGE = 248,
+  // `pmsm.iron_s` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_PMSM_IRON_S = 249,
+  // `pmsm.inertia_kg_m2` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_PMSM_INERTIA = 250,
+  // `pmsm.viscous_nm_s_per_rad` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_PMSM_VISCOUS = 251,
+  // `pmsm.coulomb_nm` must be finite, zero or above, and at most 1e12.
+  VOLTSTEP_STATUS_PMSM_COULOMB_NM = 252,
+  // `drive.torque_rate_per_s` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_DRIVE_TORQUE_RATE_PER_S = 260,
+  // `drive.torque_share` must be finite and between 1e-12 and 1e12.
+  VOLTSTEP_STATUS_DRIVE_TORQUE_SHARE = 261,
   // `soc_sd` must lie in 0..1.
   VOLTSTEP_STATUS_SOC_SD = 300,
   // `temperature_c` must lie in the range that its documentation gives.
@@ -557,12 +602,35 @@ enum VoltstepPreset
   VOLTSTEP_PRESET_EPOWERTRAIN_UDDS = 2,
   // The same, Table 5.5 to the letter.
   VOLTSTEP_PRESET_EPOWERTRAIN_UDDS_TABLE = 3,
+  // The car of `BmwI3Constant` with a synchronous machine: `bmw-i3-60ah-pmsm`.
+  VOLTSTEP_PRESET_BMW_I3_PMSM = 4,
+  // A car with a synchronous machine behind and a DC machine in front: `two-axles`.
+  VOLTSTEP_PRESET_TWO_AXLES = 5,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum VoltstepPreset VoltstepPreset;
 #else
 typedef uint32_t VoltstepPreset;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The machine of a drive.
+enum VoltstepMachine
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // A DC machine: `motor`.
+  VOLTSTEP_MACHINE_DC = 0,
+  // A permanent-magnet synchronous machine: `pmsm`.
+  VOLTSTEP_MACHINE_PMSM = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepMachine VoltstepMachine;
+#else
+typedef uint32_t VoltstepMachine;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -627,11 +695,12 @@ enum VoltstepDriverKind
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Nobody: the inputs say duty and brake.
+  // Nobody: the inputs say duty or torque, and brake.
   VOLTSTEP_DRIVER_KIND_NONE = 0,
-  // A PID from the speed error straight to the duty.
+  // A PID from the speed error straight to the duty; for one DC machine only.
   VOLTSTEP_DRIVER_KIND_DUTY = 1,
-  // Speed, torque, limits, current, duty; the friction brake takes the rest.
+  // Speed, torque, limits, and of one DC machine current and duty; the friction brake takes the
+  // rest.
   VOLTSTEP_DRIVER_KIND_TORQUE = 2,
 };
 #ifndef __cplusplus
@@ -1334,7 +1403,7 @@ typedef struct VoltstepConverterParams {
   float duty_limit;
   // Loss that does not depend on the load, in W; zero or above.
   float constant_loss_w;
-  // Voltage drop against the output current, in V; zero or above.
+  // Voltage drop against the output current, in V; zero or above, of a synchronous machine's zero.
   float voltage_drop_v;
   // Resistance in the output, in ohm; zero or above.
   float resistance_ohm;
@@ -1360,6 +1429,31 @@ typedef struct VoltstepMotorParams {
   float coulomb_nm;
 } VoltstepMotorParams;
 
+// What is known about the synchronous machine.
+typedef struct VoltstepPmsmParams {
+  // Flux linkage of the magnets in Wb, peak of a phase; zero or above, zero only where the
+  // inductances differ.
+  float magnet_wb;
+  // Inductance of the d axis in H; above zero.
+  float d_h;
+  // Inductance of the q axis in H; above zero.
+  float q_h;
+  // Resistance of one phase at 25 degrees C in ohm; above zero.
+  float resistance_ohm;
+  // How much it grows per kelvin; 0..0.007, of copper 1/260.
+  float resistance_per_k;
+  // Pole pairs, 1..65535.
+  uint32_t pole_pairs;
+  // Iron loss as a conductance across the induced voltage of each phase, in S; zero or above.
+  float iron_s;
+  // Rotor inertia in kg m^2; above zero.
+  float inertia_kg_m2;
+  // Viscous friction in N m s/rad; zero or above.
+  float viscous_nm_s_per_rad;
+  // Coulomb friction in N m; zero or above.
+  float coulomb_nm;
+} VoltstepPmsmParams;
+
 // What is known about the gearbox.
 typedef struct VoltstepGearboxParams {
   // Motor turns per wheel turn; above zero.
@@ -1369,6 +1463,25 @@ typedef struct VoltstepGearboxParams {
   // Inertia at the motor's side in kg m^2; zero or above.
   float inertia_kg_m2;
 } VoltstepGearboxParams;
+
+// A drive: converter, machine and gearbox on an axle.
+typedef struct VoltstepDriveParams {
+  // One of `VoltstepMachine`.
+  uint32_t machine;
+  // The converter.
+  struct VoltstepConverterParams converter;
+  // DC: the machine.
+  struct VoltstepMotorParams motor;
+  // Synchronous: the machine.
+  struct VoltstepPmsmParams pmsm;
+  // The gearbox.
+  struct VoltstepGearboxParams gearbox;
+  // Bandwidth of the ideal current loop behind a torque demand, in 1/s; above zero.
+  float torque_rate_per_s;
+  // Of a torque demand this drive takes its share, in proportion to those of the others; above
+  // zero.
+  float torque_share;
+} VoltstepDriveParams;
 
 // What is known about the wheels.
 typedef struct VoltstepWheelParams {
@@ -1456,12 +1569,10 @@ typedef struct VoltstepParams {
   struct VoltstepBatteryParams battery;
   // What else draws from it.
   struct VoltstepAuxiliaryParams auxiliary;
-  // The converter.
-  struct VoltstepConverterParams converter;
-  // The motor.
-  struct VoltstepMotorParams motor;
-  // The gearbox.
-  struct VoltstepGearboxParams gearbox;
+  // How many drives there are, 1..`VOLTSTEP_DRIVES`.
+  uint32_t drive_count;
+  // The drives; those beyond `drive_count` are not looked at.
+  struct VoltstepDriveParams drives[VOLTSTEP_DRIVES];
   // The wheels.
   struct VoltstepWheelParams wheel;
   // The body.
@@ -1478,7 +1589,7 @@ typedef struct VoltstepParams {
 // `voltstep_plant_init`; from then on it is only read, so any number of states may share it.
 typedef struct VoltstepPlant {
   // Not for reading.
-  uint32_t opaque[VOLTSTEP_PLANT_WORDS];
+  uint64_t opaque[VOLTSTEP_PLANT_WORDS];
 } VoltstepPlant;
 
 // Everything that a vehicle and its driver remember. Opaque: set it up by
@@ -1494,8 +1605,12 @@ typedef struct VoltstepInputs {
   float reference_m_s;
   // With the torque driver: how fast that changes, in m/s^2; 0 where it is not known.
   float reference_m_s2;
-  // Without a driver: duty of the converter, a ratio -1..1; NaN, the default, for gates off.
+  // Without a driver, of one DC drive: duty of the converter, a ratio -1..1; NaN, the default,
+  // where a torque is asked for, or gates are to be off.
   float duty;
+  // Without a driver: torque of all motors, as felt at the shaft of the first, in N m, by an ideal
+  // current loop of each; NaN, the default, where a duty is given, or gates are to be off.
+  float torque_nm;
   // Force of the friction brake in N, beside that of the driver; zero or above.
   float brake_n;
   // Sine of the road's angle; positive climbs.
@@ -1512,10 +1627,32 @@ typedef struct VoltstepInputs {
   float charge_limit_a;
 } VoltstepInputs;
 
+// What one step says of a drive.
+typedef struct VoltstepDriveOutputs {
+  // The duty applied, a ratio; of a synchronous machine its voltage over the largest. With gates off
+  // what the diodes make of it while they conduct, else 0.
+  float duty;
+  // Winding current in A; of a synchronous machine the peak of a phase.
+  float motor_a;
+  // Synchronous machine: its part along d in A.
+  float d_a;
+  // Synchronous machine: its part along q in A.
+  float q_a;
+  // Air-gap torque in N m.
+  float motor_nm;
+  // Motor speed in rad/s.
+  float motor_rad_s;
+  // Synchronous machine: it turned too far in this step for what rings at the electrical frequency
+  // to be followed; it is damped.
+  bool coarse_step;
+} VoltstepDriveOutputs;
+
 // What one step says. Discharge current, traction torque and forward speed are positive.
 typedef struct VoltstepOutputs {
-  // The duty applied, a ratio; with gates off +-1 while the diodes conduct, else 0.
-  float duty;
+  // Each drive; zeros beyond those that there are.
+  struct VoltstepDriveOutputs drives[VOLTSTEP_DRIVES];
+  // Air-gap torque of all motors, as felt at the shaft of the first, in N m.
+  float motor_nm;
   // Force of the friction brake that was commanded, in N.
   float brake_n;
   // Speed in m/s.
@@ -1530,12 +1667,6 @@ typedef struct VoltstepOutputs {
   float battery_v;
   // The battery's open-circuit voltage over the step in V.
   float open_circuit_v;
-  // Winding current in A.
-  float motor_a;
-  // Air-gap torque of the motor in N m.
-  float motor_nm;
-  // Motor speed in rad/s.
-  float motor_rad_s;
   // How far the battery's current is beyond its limits all the same, in A; zero or above.
   float limit_exceeded_a;
   // Charge of this step that went into a full battery, or, negative, out of an empty one, and is
@@ -1559,10 +1690,20 @@ typedef struct VoltstepSum {
   float lost;
 } VoltstepSum;
 
+// Every bit that the winding of a drive remembers; zeros of the other kind of machine.
+typedef struct VoltstepDriveSnapshot {
+  // DC machine: winding current in A.
+  struct VoltstepSum current_a;
+  // Synchronous machine: current of the d axis in A.
+  struct VoltstepSum d_a;
+  // Synchronous machine: current of the q axis in A.
+  struct VoltstepSum q_a;
+} VoltstepDriveSnapshot;
+
 // Every bit that the plant remembers: to compare two runs bit for bit.
 typedef struct VoltstepSnapshot {
-  // Winding current in A.
-  struct VoltstepSum current_a;
+  // Each drive; zeros beyond those that there are.
+  struct VoltstepDriveSnapshot drives[VOLTSTEP_DRIVES];
   // Speed in m/s.
   struct VoltstepSum speed_m_s;
   // Distance in m.
@@ -1573,7 +1714,7 @@ typedef struct VoltstepSnapshot {
   struct VoltstepSum rc_v;
   // Voltage at the battery's terminals in V.
   float battery_v;
-  // The duty that was last applied, a ratio.
+  // The duty that the first drive last applied, a ratio.
   float duty;
 } VoltstepSnapshot;
 
@@ -1959,7 +2100,7 @@ VoltstepStatus voltstep_state_init(const struct VoltstepPlant *plant,
                                    float soc,
                                    float speed_m_s);
 
-// Sets `inputs` to a flat road without wind, brake and auxiliary load, reference and duty 0.
+// Sets `inputs` to a flat road without wind, brake and auxiliary load, reference 0, gates off.
 //
 // # Safety
 // `inputs` is null or points to an object of its type.

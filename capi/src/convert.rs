@@ -1,33 +1,34 @@
 //! From C's parameters to the models' and back. A choice that is none is refused by its name.
 
+mod drives;
+
 use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
-use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
+use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
+use plant_core::control::driver::{Driver, DriverParams, TorqueDriver, TorqueDriverParams};
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
-use plant_core::converter::ConverterParams;
-use plant_core::machine::dc::DcMotorParams;
 use plant_core::mechanics::body::{BodyParams, RoadResistance};
-use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::SocTable;
-use plant_core::powertrain::{DriveParams, Powertrain, PowertrainParams, TORQUE_RATE_PER_S};
+use plant_core::powertrain::{Axles, Drive, Drives, Powertrain, PowertrainParams};
 use plant_core::presets::Vehicle;
 
+use crate::cars::{Car, Cars};
 use crate::params::{
-    VOLTSTEP_ABI, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams, VoltstepBatteryModel,
-    VoltstepBatteryParams, VoltstepBodyParams, VoltstepConverterParams, VoltstepDriverKind,
-    VoltstepGearboxParams, VoltstepMotorParams, VoltstepOpenCircuit, VoltstepParams,
-    VoltstepPidParams, VoltstepRoadLaw, VoltstepTorqueParams, VoltstepWheelParams, VoltstepWindup,
+    VOLTSTEP_ABI, VOLTSTEP_DRIVES, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams,
+    VoltstepBatteryModel, VoltstepBatteryParams, VoltstepBodyParams, VoltstepDriveParams,
+    VoltstepDriverKind, VoltstepOpenCircuit, VoltstepParams, VoltstepPidParams, VoltstepRoadLaw,
+    VoltstepTorqueParams, VoltstepWheelParams, VoltstepWindup,
 };
 use crate::status::VoltstepStatus;
+use drives::{Described, DriveModel, NO_DRIVE};
 
 const _: () = assert!(VOLTSTEP_SOC_POINTS == plant_core::num::SOC_POINTS);
 
 impl VoltstepParams {
     /// The plant and its driver, checked and discretised.
-    pub(crate) fn models(&self, dt_s: f32) -> Result<(Powertrain, Option<Driver>), VoltstepStatus> {
+    pub(crate) fn models(&self, dt_s: f32) -> Result<Cars, VoltstepStatus> {
         if self.abi != VOLTSTEP_ABI {
             return Err(VoltstepStatus::AbiMismatch);
         }
@@ -39,31 +40,7 @@ impl VoltstepParams {
                 resistance_ohm: self.auxiliary.resistance_ohm,
                 cut_out_v: self.auxiliary.cut_out_v,
             },
-            drives: DriveParams {
-                converter: ConverterParams {
-                    duty_limit: self.converter.duty_limit,
-                    constant_loss_w: self.converter.constant_loss_w,
-                    voltage_drop_v: self.converter.voltage_drop_v,
-                    resistance_ohm: self.converter.resistance_ohm,
-                    current_limit_a: self.converter.current_limit_a,
-                },
-                motor: DcMotorParams {
-                    resistance_ohm: self.motor.resistance_ohm,
-                    inductance_h: self.motor.inductance_h,
-                    back_emf_v_s_per_rad: self.motor.back_emf_v_s_per_rad,
-                    torque_nm_per_a: self.motor.torque_nm_per_a,
-                    inertia_kg_m2: self.motor.inertia_kg_m2,
-                    viscous_nm_s_per_rad: self.motor.viscous_nm_s_per_rad,
-                    coulomb_nm: self.motor.coulomb_nm,
-                },
-                gearbox: GearboxParams {
-                    ratio: self.gearbox.ratio,
-                    efficiency: self.gearbox.efficiency,
-                    inertia_kg_m2: self.gearbox.inertia_kg_m2,
-                },
-                torque_rate_per_s: TORQUE_RATE_PER_S,
-                torque_share: 1.0,
-            },
+            drives: (),
             wheel: WheelParams {
                 radius_m: self.wheel.radius_m,
                 inertia_kg_m2: self.wheel.inertia_kg_m2,
@@ -71,12 +48,27 @@ impl VoltstepParams {
             },
             body: self.body.model()?,
         };
-        let plant = Powertrain::new(vehicle, dt)?;
-        let driver = match self.driver()? {
-            Some(params) => Some(Driver::new(params, &vehicle, dt)?),
-            None => None,
-        };
-        Ok((plant, driver))
+        let axle = |drive: &VoltstepDriveParams| drive.model()?.axles(vehicle.wheel, dt);
+        let driver = self.driver()?;
+        let [one, two, three, four] = &self.drives;
+        Ok(match self.drive_count {
+            1 => match one.model()? {
+                DriveModel::Dc(drive) => Cars::Dc(dc(vehicle.with_drives(drive), driver, dt)?),
+                DriveModel::Pmsm(drive) => {
+                    Cars::Pmsm(composed(&vehicle, drive.on(vehicle.wheel, dt)?, driver, dt)?)
+                }
+            },
+            2 => Cars::Two(composed(&vehicle, axle(one)?.and(axle(two)?), driver, dt)?),
+            3 => {
+                let axles = axle(one)?.and(axle(two)?.and(axle(three)?));
+                Cars::Three(composed(&vehicle, axles, driver, dt)?)
+            }
+            4 => {
+                let axles = axle(one)?.and(axle(two)?).and(axle(three)?.and(axle(four)?));
+                Cars::Four(composed(&vehicle, axles, driver, dt)?)
+            }
+            _ => return Err(VoltstepStatus::DriveCount),
+        })
     }
 
     fn driver(&self) -> Result<Option<DriverParams>, VoltstepStatus> {
@@ -102,6 +94,39 @@ impl VoltstepParams {
             _ => Err(VoltstepStatus::UnknownDriver),
         }
     }
+}
+
+/// One DC machine, whose driver may ask for a duty.
+fn dc(
+    vehicle: PowertrainParams,
+    driver: Option<DriverParams>,
+    dt: Dt,
+) -> Result<Car<Drive, Driver>, VoltstepStatus> {
+    let plant = Powertrain::new(vehicle, dt)?;
+    let driver = match driver {
+        Some(params) => Some(Driver::new(params, &vehicle, dt)?),
+        None => None,
+    };
+    Ok(Car { plant, driver })
+}
+
+/// Any drives, whose driver asks for a torque.
+fn composed<D: Drives>(
+    vehicle: &PowertrainParams<BatteryParams, ()>,
+    axles: Axles<D>,
+    driver: Option<DriverParams>,
+    dt: Dt,
+) -> Result<Car<D, TorqueDriver>, VoltstepStatus> {
+    let plant = Powertrain::of(Battery::new(vehicle.battery, dt)?, axles, vehicle, dt)?;
+    let driver = match driver {
+        Some(DriverParams::Torque(params)) => {
+            let (body_kg, moving_kg) = (vehicle.body.mass_kg, plant.moving_mass_kg());
+            Some(TorqueDriver::fitted(params, plant.motor_rad_per_m(), body_kg, moving_kg, dt)?)
+        }
+        Some(DriverParams::Duty(_)) => return Err(VoltstepStatus::DriverOfOneDc),
+        None => None,
+    };
+    Ok(Car { plant, driver })
 }
 
 impl VoltstepBatteryParams {
@@ -186,13 +211,15 @@ impl From<ParamError> for VoltstepStatus {
     }
 }
 
-impl From<&Vehicle> for VoltstepParams {
-    fn from(vehicle: &Vehicle) -> Self {
+impl<D: Described> From<&Vehicle<BatteryParams, D>> for VoltstepParams {
+    fn from(vehicle: &Vehicle<BatteryParams, D>) -> Self {
         let p = &vehicle.powertrain;
         let (driver, pid, torque) = match &vehicle.driver {
             DriverParams::Duty(pid) => (VoltstepDriverKind::Duty, pid, NO_TORQUE),
             DriverParams::Torque(t) => (VoltstepDriverKind::Torque, &t.speed, t.into()),
         };
+        let mut drives = [NO_DRIVE; VOLTSTEP_DRIVES];
+        p.drives.describe(&mut drives.iter_mut());
         Self {
             abi: VOLTSTEP_ABI,
             initial_soc: vehicle.initial_soc,
@@ -202,27 +229,8 @@ impl From<&Vehicle> for VoltstepParams {
                 resistance_ohm: p.auxiliary.resistance_ohm,
                 cut_out_v: p.auxiliary.cut_out_v,
             },
-            converter: VoltstepConverterParams {
-                duty_limit: p.drives.converter.duty_limit,
-                constant_loss_w: p.drives.converter.constant_loss_w,
-                voltage_drop_v: p.drives.converter.voltage_drop_v,
-                resistance_ohm: p.drives.converter.resistance_ohm,
-                current_limit_a: p.drives.converter.current_limit_a,
-            },
-            motor: VoltstepMotorParams {
-                resistance_ohm: p.drives.motor.resistance_ohm,
-                inductance_h: p.drives.motor.inductance_h,
-                back_emf_v_s_per_rad: p.drives.motor.back_emf_v_s_per_rad,
-                torque_nm_per_a: p.drives.motor.torque_nm_per_a,
-                inertia_kg_m2: p.drives.motor.inertia_kg_m2,
-                viscous_nm_s_per_rad: p.drives.motor.viscous_nm_s_per_rad,
-                coulomb_nm: p.drives.motor.coulomb_nm,
-            },
-            gearbox: VoltstepGearboxParams {
-                ratio: p.drives.gearbox.ratio,
-                efficiency: p.drives.gearbox.efficiency,
-                inertia_kg_m2: p.drives.gearbox.inertia_kg_m2,
-            },
+            drive_count: D::COUNT,
+            drives,
             wheel: VoltstepWheelParams {
                 radius_m: p.wheel.radius_m,
                 inertia_kg_m2: p.wheel.inertia_kg_m2,

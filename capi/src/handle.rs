@@ -2,25 +2,21 @@
 
 use core::mem::MaybeUninit;
 
-use plant_core::control::driver::{Driver, DriverState};
-use plant_core::powertrain::Feedback;
-use plant_core::powertrain::ledger::NoLedger;
-use plant_core::powertrain::{Powertrain, PowertrainState};
-
+use crate::cars::{Cars, Trips};
 use crate::params::VOLTSTEP_ABI;
 use crate::status::VoltstepStatus;
 
-/// Words (4 bytes) of a `VoltstepPlant`.
-pub const VOLTSTEP_PLANT_WORDS: usize = 192;
+/// Words (8 bytes) of a `VoltstepPlant`.
+pub const VOLTSTEP_PLANT_WORDS: usize = 128;
 /// Words (4 bytes) of a `VoltstepState`.
-pub const VOLTSTEP_STATE_WORDS: usize = 48;
+pub const VOLTSTEP_STATE_WORDS: usize = 64;
 
 /// A vehicle with its driver, checked and discretised for one step. Opaque: set it up by
 /// `voltstep_plant_init`; from then on it is only read, so any number of states may share it.
 #[repr(C)]
 pub struct VoltstepPlant {
     /// Not for reading.
-    pub opaque: [MaybeUninit<u32>; VOLTSTEP_PLANT_WORDS],
+    pub opaque: [MaybeUninit<u64>; VOLTSTEP_PLANT_WORDS],
 }
 
 /// Everything that a vehicle and its driver remember. Opaque: set it up by
@@ -42,8 +38,7 @@ pub(crate) const fn mark<T>(kind: u32) -> u32 {
 #[repr(C)]
 pub(crate) struct Plant {
     mark: u32,
-    pub model: Powertrain<NoLedger>,
-    pub driver: Option<Driver>,
+    pub cars: Cars,
 }
 
 /// What is inside a `VoltstepState`.
@@ -51,10 +46,7 @@ pub(crate) struct Plant {
 #[derive(Clone, Copy)]
 pub(crate) struct State {
     mark: u32,
-    pub plant: PowertrainState<NoLedger>,
-    pub driver: DriverState,
-    /// What the driver sees: the end of the last step.
-    pub seen: Feedback,
+    pub trips: Trips,
 }
 
 /// An opaque object of C and what is inside.
@@ -88,14 +80,14 @@ unsafe impl Opaque for VoltstepState {
 const _: () = assert!(fits::<State, VoltstepState>());
 
 impl Plant {
-    pub fn new(model: Powertrain<NoLedger>, driver: Option<Driver>) -> Self {
-        Self { mark: VoltstepPlant::MARK, model, driver }
+    pub const fn new(cars: Cars) -> Self {
+        Self { mark: VoltstepPlant::MARK, cars }
     }
 }
 
 impl State {
-    pub fn new(plant: PowertrainState<NoLedger>, seen: Feedback) -> Self {
-        Self { mark: VoltstepState::MARK, plant, driver: DriverState::default(), seen }
+    pub const fn new(trips: Trips) -> Self {
+        Self { mark: VoltstepState::MARK, trips }
     }
 }
 

@@ -14,6 +14,7 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+mod cars;
 mod convert;
 mod estimators;
 mod handle;
@@ -21,22 +22,27 @@ mod params;
 mod refusals;
 mod status;
 mod step;
+mod values;
 
 pub use estimators::*;
 pub use handle::{VOLTSTEP_PLANT_WORDS, VOLTSTEP_STATE_WORDS, VoltstepPlant, VoltstepState};
 pub use params::{
-    VOLTSTEP_ABI, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams, VoltstepBatteryModel,
-    VoltstepBatteryParams, VoltstepBodyParams, VoltstepConverterParams, VoltstepDriverKind,
-    VoltstepGearboxParams, VoltstepMotorParams, VoltstepOpenCircuit, VoltstepParams,
-    VoltstepPidParams, VoltstepPreset, VoltstepRoadLaw, VoltstepTorqueParams, VoltstepWheelParams,
+    VOLTSTEP_ABI, VOLTSTEP_DRIVES, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams,
+    VoltstepBatteryModel, VoltstepBatteryParams, VoltstepBodyParams, VoltstepConverterParams,
+    VoltstepDriveParams, VoltstepDriverKind, VoltstepGearboxParams, VoltstepMachine,
+    VoltstepMotorParams, VoltstepOpenCircuit, VoltstepParams, VoltstepPidParams,
+    VoltstepPmsmParams, VoltstepPreset, VoltstepRoadLaw, VoltstepTorqueParams, VoltstepWheelParams,
     VoltstepWindup,
 };
 pub use refusals::voltstep_error_message;
 pub use status::VoltstepStatus;
 pub use step::{
-    VoltstepInputs, VoltstepLimited, VoltstepOutputs, VoltstepSnapshot, VoltstepSum,
     voltstep_inputs_default, voltstep_params_preset, voltstep_plant_init, voltstep_state_init,
     voltstep_state_snapshot, voltstep_step,
+};
+pub use values::{
+    VoltstepDriveOutputs, VoltstepDriveSnapshot, VoltstepInputs, VoltstepLimited, VoltstepOutputs,
+    VoltstepSnapshot, VoltstepSum,
 };
 
 /// What a static library for a microcontroller has to have. No path leads here: the linked image

@@ -3,10 +3,13 @@
 
 /// Version of this interface. `VoltstepParams.abi` must hold it, so that a header and a library
 /// that do not belong together are noticed.
-pub const VOLTSTEP_ABI: u32 = 1;
+pub const VOLTSTEP_ABI: u32 = 2;
 
 /// Points of an open-circuit table: at state of charge i/64, i = 0..64.
 pub const VOLTSTEP_SOC_POINTS: usize = 65;
+
+/// Drives of a vehicle, at most.
+pub const VOLTSTEP_DRIVES: usize = 4;
 
 /// Parameter sets that come with the library.
 #[repr(u32)]
@@ -21,6 +24,20 @@ pub enum VoltstepPreset {
     EpowertrainUdds = 2,
     /// The same, Table 5.5 to the letter.
     EpowertrainUddsTable = 3,
+    /// The car of `BmwI3Constant` with a synchronous machine: `bmw-i3-60ah-pmsm`.
+    BmwI3Pmsm = 4,
+    /// A car with a synchronous machine behind and a DC machine in front: `two-axles`.
+    TwoAxles = 5,
+}
+
+/// The machine of a drive.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VoltstepMachine {
+    /// A DC machine: `motor`.
+    Dc = 0,
+    /// A permanent-magnet synchronous machine: `pmsm`.
+    Pmsm = 1,
 }
 
 /// How the battery is modelled.
@@ -55,11 +72,12 @@ pub enum VoltstepRoadLaw {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VoltstepDriverKind {
-    /// Nobody: the inputs say duty and brake.
+    /// Nobody: the inputs say duty or torque, and brake.
     None = 0,
-    /// A PID from the speed error straight to the duty.
+    /// A PID from the speed error straight to the duty; for one DC machine only.
     Duty = 1,
-    /// Speed, torque, limits, current, duty; the friction brake takes the rest.
+    /// Speed, torque, limits, and of one DC machine current and duty; the friction brake takes the
+    /// rest.
     Torque = 2,
 }
 
@@ -121,7 +139,7 @@ pub struct VoltstepConverterParams {
     pub duty_limit: f32,
     /// Loss that does not depend on the load, in W; zero or above.
     pub constant_loss_w: f32,
-    /// Voltage drop against the output current, in V; zero or above.
+    /// Voltage drop against the output current, in V; zero or above, of a synchronous machine's zero.
     pub voltage_drop_v: f32,
     /// Resistance in the output, in ohm; zero or above.
     pub resistance_ohm: f32,
@@ -149,6 +167,33 @@ pub struct VoltstepMotorParams {
     pub coulomb_nm: f32,
 }
 
+/// What is known about the synchronous machine.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoltstepPmsmParams {
+    /// Flux linkage of the magnets in Wb, peak of a phase; zero or above, zero only where the
+    /// inductances differ.
+    pub magnet_wb: f32,
+    /// Inductance of the d axis in H; above zero.
+    pub d_h: f32,
+    /// Inductance of the q axis in H; above zero.
+    pub q_h: f32,
+    /// Resistance of one phase at 25 degrees C in ohm; above zero.
+    pub resistance_ohm: f32,
+    /// How much it grows per kelvin; 0..0.007, of copper 1/260.
+    pub resistance_per_k: f32,
+    /// Pole pairs, 1..65535.
+    pub pole_pairs: u32,
+    /// Iron loss as a conductance across the induced voltage of each phase, in S; zero or above.
+    pub iron_s: f32,
+    /// Rotor inertia in kg m^2; above zero.
+    pub inertia_kg_m2: f32,
+    /// Viscous friction in N m s/rad; zero or above.
+    pub viscous_nm_s_per_rad: f32,
+    /// Coulomb friction in N m; zero or above.
+    pub coulomb_nm: f32,
+}
+
 /// What is known about the gearbox.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,6 +204,27 @@ pub struct VoltstepGearboxParams {
     pub efficiency: f32,
     /// Inertia at the motor's side in kg m^2; zero or above.
     pub inertia_kg_m2: f32,
+}
+
+/// A drive: converter, machine and gearbox on an axle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoltstepDriveParams {
+    /// One of `VoltstepMachine`.
+    pub machine: u32,
+    /// The converter.
+    pub converter: VoltstepConverterParams,
+    /// DC: the machine.
+    pub motor: VoltstepMotorParams,
+    /// Synchronous: the machine.
+    pub pmsm: VoltstepPmsmParams,
+    /// The gearbox.
+    pub gearbox: VoltstepGearboxParams,
+    /// Bandwidth of the ideal current loop behind a torque demand, in 1/s; above zero.
+    pub torque_rate_per_s: f32,
+    /// Of a torque demand this drive takes its share, in proportion to those of the others; above
+    /// zero.
+    pub torque_share: f32,
 }
 
 /// What is known about the wheels.
@@ -257,12 +323,10 @@ pub struct VoltstepParams {
     pub battery: VoltstepBatteryParams,
     /// What else draws from it.
     pub auxiliary: VoltstepAuxiliaryParams,
-    /// The converter.
-    pub converter: VoltstepConverterParams,
-    /// The motor.
-    pub motor: VoltstepMotorParams,
-    /// The gearbox.
-    pub gearbox: VoltstepGearboxParams,
+    /// How many drives there are, 1..`VOLTSTEP_DRIVES`.
+    pub drive_count: u32,
+    /// The drives; those beyond `drive_count` are not looked at.
+    pub drives: [VoltstepDriveParams; VOLTSTEP_DRIVES],
     /// The wheels.
     pub wheel: VoltstepWheelParams,
     /// The body.

@@ -39,6 +39,10 @@ pub enum VoltstepStatus {
     RecordUnknown = 14,
     /// The checksum of the record does not fit: a torn write, or memory gone bad.
     RecordCorrupted = 15,
+    /// The state was initialised by a plant with other drives.
+    StateOfOtherDrives = 16,
+    /// A duty beside a torque, or for drives that take none: only one DC drive does.
+    DutyNotTaken = 17,
     /// No such preset.
     UnknownPreset = 20,
     /// `battery.model` is none of `VoltstepBatteryModel`.
@@ -53,6 +57,12 @@ pub enum VoltstepStatus {
     UnknownWindup = 25,
     /// No such preset of a cell.
     UnknownCellPreset = 26,
+    /// `drives.machine` is none of `VoltstepMachine`.
+    UnknownMachine = 27,
+    /// `drive_count` is not in 1..`VOLTSTEP_DRIVES`.
+    DriveCount = 28,
+    /// `driver` is a duty's, which drives one DC machine only.
+    DriverOfOneDc = 29,
     /// A parameter is out of range, and this version has no code of its own for it.
     Parameter = 99,
     /// `dt_s` must be finite and between 1e-12 and 1e12.
@@ -101,6 +111,8 @@ pub enum VoltstepStatus {
     ConverterResistanceOhm = 153,
     /// `converter.current_limit_a` must be at least 1e-12 (infinity: no limit).
     ConverterCurrentLimitA = 154,
+    /// `converter.voltage_drop_v` must lie in the range that its documentation gives.
+    ConverterVoltageDropVRange = 155,
     /// `motor.resistance_ohm` must be finite and between 1e-12 and 1e12.
     MotorResistanceOhm = 160,
     /// `motor.inductance_h` must be finite and between 1e-12 and 1e12.
@@ -175,6 +187,36 @@ pub enum VoltstepStatus {
     TorqueBrakeLimitN = 236,
     /// `driver.torque.current_rate_per_s` must be finite and between 1e-12 and 1e12.
     TorqueCurrentRatePerS = 237,
+    /// `pmsm.flux.magnet_wb` must be finite, zero or above, and at most 1e12.
+    PmsmFluxMagnetWb = 240,
+    /// `pmsm.flux.magnet_wb` must lie in the range that its documentation gives.
+    PmsmFluxMagnetWbRange = 241,
+    /// `pmsm.flux.d_h` must be finite and between 1e-12 and 1e12.
+    PmsmFluxDH = 242,
+    /// `pmsm.flux.q_h` must be finite and between 1e-12 and 1e12.
+    PmsmFluxQH = 243,
+    /// `pmsm.resistance_ohm` must be finite and between 1e-12 and 1e12.
+    PmsmResistanceOhm = 244,
+    /// `pmsm.resistance_per_k` must be finite, zero or above, and at most 1e12.
+    PmsmResistancePerK = 245,
+    /// `pmsm.resistance_per_k` must lie in the range that its documentation gives.
+    PmsmResistancePerKRange = 246,
+    /// `pmsm.pole_pairs` must be finite and between 1e-12 and 1e12.
+    PmsmPolePairs = 247,
+    /// `pmsm.pole_pairs` must lie in the range that its documentation gives.
+    PmsmPolePairsRange = 248,
+    /// `pmsm.iron_s` must be finite, zero or above, and at most 1e12.
+    PmsmIronS = 249,
+    /// `pmsm.inertia_kg_m2` must be finite and between 1e-12 and 1e12.
+    PmsmInertia = 250,
+    /// `pmsm.viscous_nm_s_per_rad` must be finite, zero or above, and at most 1e12.
+    PmsmViscous = 251,
+    /// `pmsm.coulomb_nm` must be finite, zero or above, and at most 1e12.
+    PmsmCoulombNm = 252,
+    /// `drive.torque_rate_per_s` must be finite and between 1e-12 and 1e12.
+    DriveTorqueRatePerS = 260,
+    /// `drive.torque_share` must be finite and between 1e-12 and 1e12.
+    DriveTorqueShare = 261,
     /// `soc_sd` must lie in 0..1.
     SocSd = 300,
     /// `temperature_c` must lie in the range that its documentation gives.

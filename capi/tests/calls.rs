@@ -10,63 +10,8 @@ use plant_core::{Dt, presets};
 use voltstep_capi::VoltstepStatus as Status;
 use voltstep_capi::*;
 
-const DT_S: f32 = 1e-3;
-
-fn preset(preset: VoltstepPreset) -> VoltstepParams {
-    let mut params = MaybeUninit::uninit();
-    // SAFETY: the pointer is to memory of its type, which is written where the answer is Ok.
-    unsafe {
-        assert_eq!(voltstep_params_preset(preset as u32, params.as_mut_ptr()), Status::Ok);
-        params.assume_init()
-    }
-}
-
-fn plant(params: &VoltstepParams) -> VoltstepPlant {
-    let mut plant = VoltstepPlant { opaque: [MaybeUninit::zeroed(); VOLTSTEP_PLANT_WORDS] };
-    // SAFETY: both are references.
-    assert_eq!(unsafe { voltstep_plant_init(&raw mut plant, params, DT_S) }, Status::Ok);
-    plant
-}
-
-fn state(plant: &VoltstepPlant, soc: f32) -> VoltstepState {
-    let mut state = VoltstepState { opaque: [MaybeUninit::zeroed(); VOLTSTEP_STATE_WORDS] };
-    // SAFETY: both are references.
-    assert_eq!(unsafe { voltstep_state_init(plant, &raw mut state, soc, 0.0) }, Status::Ok);
-    state
-}
-
-fn inputs(reference_m_s: f32) -> VoltstepInputs {
-    let mut inputs = MaybeUninit::uninit();
-    // SAFETY: the pointer is to memory of its type, which is written.
-    let inputs = unsafe {
-        assert_eq!(voltstep_inputs_default(inputs.as_mut_ptr()), Status::Ok);
-        inputs.assume_init()
-    };
-    VoltstepInputs { reference_m_s, ..inputs }
-}
-
-fn step(
-    plant: &VoltstepPlant,
-    state: &mut VoltstepState,
-    inputs: &VoltstepInputs,
-) -> (Status, VoltstepOutputs) {
-    let mut outputs = MaybeUninit::uninit();
-    // SAFETY: all are references, and with these answers the outputs are written.
-    unsafe {
-        let status = voltstep_step(plant, state, inputs, outputs.as_mut_ptr());
-        assert!(matches!(status, Status::Ok | Status::InputRejected), "{status:?}");
-        (status, outputs.assume_init())
-    }
-}
-
-fn snapshot(state: &VoltstepState) -> VoltstepSnapshot {
-    let mut snapshot = MaybeUninit::uninit();
-    // SAFETY: both are references; the snapshot is written where the answer is Ok.
-    unsafe {
-        assert_eq!(voltstep_state_snapshot(state, snapshot.as_mut_ptr()), Status::Ok);
-        snapshot.assume_init()
-    }
-}
+mod vehicle;
+use vehicle::{DT_S, inputs, plant, preset, snapshot, state, step};
 
 #[test]
 fn every_preset_steps_as_the_models_do() {
@@ -96,7 +41,7 @@ fn every_preset_steps_as_the_models_do() {
             let (status, out) = step(&plant, &mut state, &inputs(reference_m_s));
             assert_eq!(status, Status::Ok);
             assert_eq!(
-                [out.duty, out.brake_n, out.speed_m_s, out.soc, out.battery_a],
+                [out.drives[0].duty, out.brake_n, out.speed_m_s, out.soc, out.battery_a],
                 [
                     wanted.drives.duty,
                     command.brake_n,
@@ -119,10 +64,10 @@ fn without_a_driver_the_inputs_say_the_duty() {
     let mut state = state(&plant, 0.8);
     let input = VoltstepInputs { duty: 0.01, ..inputs(0.0) };
     let out = (0..100).map(|_| step(&plant, &mut state, &input).1).last().unwrap();
-    assert!(out.duty == 0.01 && out.speed_m_s > 0.0, "{out:?}");
+    assert!(out.drives[0].duty == 0.01 && out.speed_m_s > 0.0, "{out:?}");
     // By default the gates are off.
     let (_, off) = step(&plant, &mut state, &inputs(0.0));
-    assert!(off.motor_a == 0.0 && off.duty == 0.0 && !off.rejected, "{off:?}");
+    assert!(off.drives[0].motor_a == 0.0 && off.drives[0].duty == 0.0 && !off.rejected, "{off:?}");
     let limited = VoltstepInputs { discharge_limit_a: 2.5, ..input };
     let out = (0..100).map(|_| step(&plant, &mut state, &limited).1).last().unwrap();
     assert!((out.battery_a - 2.5).abs() < 0.03 && out.limited == 1, "{out:?}");
@@ -245,7 +190,7 @@ fn bad_inputs_change_nothing() {
         let (status, out) = step(&plant, &mut state, &input);
         assert!(status == Status::InputRejected && out.rejected, "{out:?}");
         let now = snapshot(&state);
-        assert_eq!((now.soc, now.current_a, now.rc_v), (was.soc, was.current_a, was.rc_v));
+        assert_eq!((now.soc, now.drives, now.rc_v), (was.soc, was.drives, was.rc_v));
         assert_eq!((now.speed_m_s, now.distance_m), (was.speed_m_s, was.distance_m));
     }
     let (status, out) = step(&plant, &mut state, &inputs(f32::NAN));
@@ -268,6 +213,13 @@ fn every_bad_parameter_has_a_code_of_its_own() {
         ($from:ident: $($group:ident { $($field:ident)+ })+) => {
             $($({ let mut bad = $from; bad.$group.$field = f32::NAN; refused(bad, DT_S); })+)+
         };
+        ($from:ident, drives: $($group:ident { $($field:ident)+ })+) => {
+            $($({
+                let mut bad = $from;
+                bad.drives[0].$group.$field = f32::NAN;
+                refused(bad, DT_S);
+            })+)+
+        };
     }
     let linear = preset(VoltstepPreset::BmwI3Constant);
     each_nan!(linear:
@@ -276,12 +228,6 @@ fn every_bad_parameter_has_a_code_of_its_own() {
             polarisation_capacitance_f discharge_limit_a charge_limit_a empty_v full_v
         }
         auxiliary { power_w resistance_ohm cut_out_v }
-        converter { duty_limit constant_loss_w voltage_drop_v resistance_ohm current_limit_a }
-        motor {
-            resistance_ohm inductance_h back_emf_v_s_per_rad torque_nm_per_a inertia_kg_m2
-            viscous_nm_s_per_rad coulomb_nm
-        }
-        gearbox { ratio efficiency inertia_kg_m2 }
         wheel { radius_m inertia_kg_m2 viscous_nm_s_per_rad }
         body {
             mass_kg drag_coefficient frontal_area_m2 air_density_kg_m3 rolling_coefficient
@@ -294,6 +240,14 @@ fn every_bad_parameter_has_a_code_of_its_own() {
             peak_torque_nm peak_power_w regen_torque_nm regen_power_w regen_fade_m_s
             regen_fade_soc brake_limit_n current_rate_per_s
         }
+    );
+    each_nan!(linear, drives:
+        converter { duty_limit constant_loss_w voltage_drop_v resistance_ohm current_limit_a }
+        motor {
+            resistance_ohm inductance_h back_emf_v_s_per_rad torque_nm_per_a inertia_kg_m2
+            viscous_nm_s_per_rad coulomb_nm
+        }
+        gearbox { ratio efficiency inertia_kg_m2 }
     );
     let mut coasting = linear;
     coasting.body.road_law = VoltstepRoadLaw::CoastDown as u32;
@@ -310,6 +264,11 @@ fn every_bad_parameter_has_a_code_of_its_own() {
     changed(|p| p.body.road_law = 7);
     changed(|p| p.driver = 7);
     changed(|p| p.pid.anti_windup = 7);
+    changed(|p| p.drive_count = 0);
+    changed(|p| {
+        (p.drive_count, p.drives[1]) = (2, p.drives[0]);
+        p.driver = VoltstepDriverKind::Duty as u32;
+    });
     changed(|p| p.battery.full_v = p.battery.empty_v - 1.0);
     changed(|p| {
         p.battery.open_circuit = VoltstepOpenCircuit::Table as u32;

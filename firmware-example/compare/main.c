@@ -82,7 +82,7 @@ int main(void)
         largest(&soc, plant.soc.value - out.soc);
         largest(&speed, (plant.speed_m_s.value - out.speed_m_s) / 25.0f);
         largest(&battery_v, (plant.battery_v - out.battery_v) / 600.0f);
-        largest(&current, (plant.current_a.value - out.motor_a) / 1000.0f);
+        largest(&current, (plant.current_a.value - out.drives[0].motor_a) / 1000.0f);
         largest(&euler_soc, euler.soc - out.soc);
         largest(&euler_speed, (euler.speed_m_s - out.speed_m_s) / 25.0f);
     }

@@ -27,9 +27,9 @@ const CRATES: &[Crate] = &[
             // One thing: a table of numbers can be refused, and what is refused is a number.
             &["num+error+model"],
             &["port", "thermal"],
-            &["battery", "auxiliary", "converter", "circuit", "link", "mechanics"],
+            &["battery", "auxiliary", "converter", "link", "mechanics"],
             &["machine"],
-            &["signal"],
+            &["signal", "circuit"],
             &["powertrain"],
             &["control"],
             &["presets"],

@@ -19,7 +19,8 @@ const LIBRARY: &str = "libvoltstep_capi.a";
 const HEADER: &str = "capi/include/voltstep.h";
 const GOLDEN: &str = "firmware-example/golden.toml";
 /// The vehicles that the example drives. The interface has no battery with a map.
-const VEHICLES: &[&str] = &["epowertrain-udds", "bmw-i3-60ah-constant"];
+const VEHICLES: &[&str] =
+    &["epowertrain-udds", "bmw-i3-60ah-constant", "bmw-i3-60ah-pmsm", "two-axles"];
 const CYCLE: &str = "data/cycles/udds.csv";
 /// The examples, and what goes with them here and on target.
 const PLANT: &str = "capi/example/main.c";

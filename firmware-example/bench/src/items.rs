@@ -102,11 +102,10 @@ composed!(bench_plant_dcs_off, TWO_DC, (Drive, Drive));
 
 const DC_AXLE: Axles<Drive> = must!(I3.drives.on(I3.wheel, DT));
 /// The car of `bmw-i3-60ah-constant`, its DC machine asked for a torque.
-pub const ONE_DC: Composed<Drive> =
-    must!(Rig::composed(&BMW_I3_60AH_CONSTANT, DC_AXLE, I3.drives.gearbox, DT));
+pub const ONE_DC: Composed<Drive> = must!(Rig::composed(&BMW_I3_60AH_CONSTANT, DC_AXLE, DT));
 /// The same car with another drive like its own.
 pub const TWO_DC: Composed<(Drive, Drive)> =
-    must!(Rig::composed(&BMW_I3_60AH_CONSTANT, DC_AXLE.and(DC_AXLE), I3.drives.gearbox, DT));
+    must!(Rig::composed(&BMW_I3_60AH_CONSTANT, DC_AXLE.and(DC_AXLE), DT));
 
 const I3: plant_core::powertrain::PowertrainParams = BMW_I3_60AH_CONSTANT.powertrain;
 const PID: PidParams = match EPOWERTRAIN_UDDS.driver {

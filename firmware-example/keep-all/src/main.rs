@@ -41,7 +41,7 @@ use plant_core::num::{self, SocTable};
 use plant_core::port::{self, BusLaw, BusRise, Coast, Slip, Source};
 use plant_core::powertrain::ledger::{EnergyLedger, EnergyReport, NoLedger};
 use plant_core::powertrain::{
-    Axles, Drive, DriveParams, Drives, Powertrain, PowertrainInput, PowertrainParams,
+    Axles, Drive, DriveParams, Drives, Either, Powertrain, PowertrainInput, PowertrainParams,
 };
 use plant_core::signal::faults::{Drift, Lapse, Noise, Random};
 use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
@@ -87,6 +87,8 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 type Synchronous = Drive<PmsmDrive>;
 type OneOfEach = (Synchronous, Drive);
 type Four = ((Synchronous, Synchronous), (Drive, Drive));
+/// One of two, told apart at run time.
+type AnyDrive = Either<Drive, Synchronous>;
 /// What drives them, and the same with a battery that depends on temperature and a ledger.
 type Composed<D> = Powertrain<NoLedger, Battery, D>;
 type ComposedLedgered<D> = Powertrain<EnergyLedger, MappedBattery, D>;
@@ -212,6 +214,7 @@ fn composed() {
         DriveParams::<DcMotorParams>::on,
         DriveParams::<PmsmParams>::on,
         Axles::<Drive>::and::<Synchronous>,
+        Axles::<Drive>::motor_rad_per_m,
         unchanged,
         PowertrainParams::<BatteryParams>::with_drives::<DriveParams<PmsmParams>>,
         PowertrainParams::<BatteryParams, (DriveParams<PmsmParams>, DriveParams)>::build,
@@ -223,6 +226,7 @@ fn composed() {
     plants::<(Synchronous, Synchronous)>();
     plants::<OneOfEach>();
     plants::<Four>();
+    plants::<(AnyDrive, AnyDrive)>();
 }
 
 /// Axles of other drives, which are the same.

@@ -66,12 +66,11 @@ pub type BothAxles = (Drive<PmsmDrive>, Drive);
 
 /// The car with a synchronous machine.
 pub const BMW_I3_PMSM: Composed<Drive<PmsmDrive>> =
-    must!(Rig::composed(&BMW_I3_60AH_PMSM, PMSM_AXLE, PMSM_CAR.drives.gearbox, DT));
+    must!(Rig::composed(&BMW_I3_60AH_PMSM, PMSM_AXLE, DT));
 /// The same with its energy ledger.
 pub const BMW_I3_PMSM_LEDGER: Composed<Drive<PmsmDrive>, EnergyLedger> = BMW_I3_PMSM.with_ledger();
 /// A car with two axles.
-pub const TWO_AXLED: Composed<BothAxles> =
-    must!(Rig::composed(&TWO_AXLES, REAR.and(FRONT), TWO_CAR.drives.0.gearbox, DT));
+pub const TWO_AXLED: Composed<BothAxles> = must!(Rig::composed(&TWO_AXLES, REAR.and(FRONT), DT));
 /// The same with its energy ledger.
 pub const TWO_AXLED_LEDGER: Composed<BothAxles, EnergyLedger> = TWO_AXLED.with_ledger();
 

@@ -6,7 +6,6 @@ use plant_core::battery::{
 use plant_core::control::driver::{
     Driver, DriverInput, DriverParams, DriverState, Steering, TorqueDriver,
 };
-use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::powertrain::ledger::{Book, EnergyLedger, NoLedger};
 use plant_core::powertrain::{
     Axles, Drive, Drives, Feedback, Powertrain, PowertrainInput, PowertrainOutput, PowertrainState,
@@ -70,7 +69,7 @@ impl Rig<NoLedger, MappedBattery> {
 }
 
 impl<D: Copy> Rig<NoLedger, Battery, D, TorqueDriver> {
-    /// A vehicle with any drives, `gearbox` being that of the first.
+    /// A vehicle with any drives.
     ///
     /// # Errors
     /// [`ParamError`] names the first field that is out of range; `driver.torque` where the driver
@@ -78,13 +77,13 @@ impl<D: Copy> Rig<NoLedger, Battery, D, TorqueDriver> {
     pub const fn composed<Q>(
         vehicle: &Vehicle<BatteryParams, Q>,
         axles: Axles<D>,
-        gearbox: GearboxParams,
         dt: Dt,
     ) -> Result<Self, ParamError> {
         let params = &vehicle.powertrain;
         let DriverParams::Torque(driver) = vehicle.driver else {
             return Err(ParamError::NotFinite("driver.torque"));
         };
+        let motor_rad_per_m = axles.motor_rad_per_m();
         let plant = match Battery::new(params.battery, dt) {
             Ok(battery) => Powertrain::of(battery, axles, params, dt),
             Err(error) => Err(error),
@@ -94,7 +93,6 @@ impl<D: Copy> Rig<NoLedger, Battery, D, TorqueDriver> {
             Err(error) => return Err(error),
         };
         let (body_kg, moving_kg) = (params.body.mass_kg, plant.moving_mass_kg());
-        let motor_rad_per_m = gearbox.ratio / params.wheel.radius_m;
         match TorqueDriver::fitted(driver, motor_rad_per_m, body_kg, moving_kg, dt) {
             Ok(driver) => Ok(Self { plant, driver, initial_soc: vehicle.initial_soc }),
             Err(error) => Err(error),

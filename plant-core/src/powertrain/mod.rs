@@ -59,7 +59,7 @@ mod output;
 mod params;
 mod solve;
 
-pub use drives::{Axles, Drive, DriveParams, Drives, TORQUE_RATE_PER_S};
+pub use drives::{Axles, Drive, DriveParams, Drives, Either, TORQUE_RATE_PER_S};
 pub use input::PowertrainInput;
 pub use output::{Feedback, Limited, PowertrainOutput};
 pub use params::{DrivesParams, PackParams, PowertrainParams};

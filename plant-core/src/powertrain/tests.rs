@@ -3,6 +3,7 @@
 
 extern crate std;
 
+mod either;
 mod ledger;
 mod limits;
 

@@ -80,6 +80,8 @@ pub struct Axles<D> {
     pub(in crate::powertrain) has_gear_loss: bool,
     /// Losses of the converters that do not depend on their load \[W\].
     pub(in crate::powertrain) constant_loss_w: Real,
+    /// Turns of the first motor (rad) per metre of road.
+    motor_rad_per_m: Real,
 }
 
 impl<D: Copy> Axles<D> {
@@ -91,11 +93,19 @@ impl<D: Copy> Axles<D> {
             coast: self.coast.plus(others.coast),
             has_gear_loss: self.has_gear_loss || others.has_gear_loss,
             constant_loss_w: self.constant_loss_w + others.constant_loss_w,
+            motor_rad_per_m: self.motor_rad_per_m,
         }
     }
 }
 
 impl<D> Axles<D> {
+    /// Turns of the first motor (rad) per metre of road, as
+    /// [`Drives::motor_rad_per_m`](super::Drives::motor_rad_per_m) says, but for constants too.
+    #[must_use]
+    pub const fn motor_rad_per_m(&self) -> Real {
+        self.motor_rad_per_m
+    }
+
     /// The same axles, their drives told apart otherwise, as where a file says which there are.
     #[must_use]
     pub fn map<E>(self, drives: impl FnOnce(D) -> E) -> Axles<E> {
@@ -104,6 +114,7 @@ impl<D> Axles<D> {
             coast: self.coast,
             has_gear_loss: self.has_gear_loss,
             constant_loss_w: self.constant_loss_w,
+            motor_rad_per_m: self.motor_rad_per_m,
         }
     }
 }
@@ -140,6 +151,7 @@ impl Chain {
             coast: self.gearbox.coast(shaft),
             has_gear_loss: self.gearbox.loss_ratio() > 0.0,
             constant_loss_w: self.converter.constant_loss_w,
+            motor_rad_per_m: self.motor_rad_per_m,
         }
     }
 }

@@ -6,11 +6,13 @@
 //! Tests: those of the powertrain; property `drives`.
 
 mod axles;
+mod either;
 mod pair;
 mod shares;
 mod single;
 
 pub use axles::{Axles, Drive, DriveParams, TORQUE_RATE_PER_S};
+pub use either::Either;
 pub use shares::{Mode, Shares, Wishes};
 
 use crate::machine::{Held, MachineFlows, Review, Seen, Solved};
