@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`read`] | what can be read, built in or from a file; what is wrong with a file, and where |
 //! | [`simulate`] | a cycle or trip as the plant's inputs, the stepping loops, figures, ours beside what was measured |
-//! | [`identify`] | a battery's parameters from measurements |
+//! | [`identify`] | the parameters of a battery or a vehicle from measurements |
 //! | [`evaluate`] | models and estimators against a folder of real measurements |
 //! | [`verify`] | every published experiment and an independent solution, against ours |
 //! | `show` | results as tables, JSON, plot sheet and files that appear whole or not at all |

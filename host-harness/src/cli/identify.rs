@@ -52,6 +52,40 @@ pub struct Arguments {
 /// Set by Ctrl-C; the work ends at its next step.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
+/// Work that is shown, can be interrupted, and writes its result at its end.
+pub(super) struct Work(Spinner);
+
+impl Work {
+    pub(super) fn new() -> Self {
+        // A second handler is refused; the first one does as well.
+        let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
+        Self(Spinner::new())
+    }
+
+    /// Says what is being done, or ends the work.
+    pub(super) fn at(&self, stage: &str) -> anyhow::Result<()> {
+        ensure!(!INTERRUPTED.load(Ordering::Relaxed), "interrupted; nothing was written");
+        self.0.stage(stage);
+        Ok(())
+    }
+
+    /// Writes a file, whole or not at all.
+    pub(super) fn write(&self, path: &Path, text: String) -> anyhow::Result<()> {
+        let folder = match path.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        let file = path.file_name().and_then(|n| n.to_str()).context("--out names no file")?;
+        self.at("writing")?;
+        files::write_all(folder, &[(file, text.into_bytes())])
+    }
+}
+
+/// The last name of a path: folders say where they lie on one machine.
+pub(super) fn last_name(path: &Path) -> Option<String> {
+    path.file_name().map(|n| n.to_string_lossy().into_owned())
+}
+
 /// Identifies, writes the file where one is wanted, and prints.
 ///
 /// # Errors
@@ -65,29 +99,17 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     ] {
         ensure!(value.is_none_or(|v| v > 0.0), "{name} must be above 0");
     }
-    // A second handler is refused; the first one does as well.
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
     let options = options(&arguments);
-    let spinner = Spinner::new();
-    let tick = |stage: &str| {
-        ensure!(!INTERRUPTED.load(Ordering::Relaxed), "interrupted; nothing was written");
-        spinner.stage(stage);
-        Ok(())
-    };
+    let work = Work::new();
+    let tick = |stage: &str| work.at(stage);
     let found = identify::identify(&arguments.inputs, options, &tick).map_err(with_flag)?;
     let text = found.to_toml();
     // What was found must be a battery.
     battery::parse("the identified battery", text.as_bytes())?;
     if let Some(path) = &arguments.out {
-        let folder = match path.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
-        let file = path.file_name().and_then(|n| n.to_str()).context("--out names no file")?;
-        tick("writing")?;
-        files::write_all(folder, &[(file, text.into_bytes())])?;
+        work.write(path, text)?;
     }
-    drop(spinner);
+    drop(work);
     let json = arguments.json;
     super::print(&if json { identified::json(&found)? } else { identified::render(&found) })?;
     Ok(true)
@@ -105,10 +127,8 @@ fn options(arguments: &Arguments) -> Options {
     let stem = arguments.out.as_deref().and_then(Path::file_stem).map(|s| s.to_string_lossy());
     let name = arguments.name.clone().or(stem.map(Into::into));
     let name = name.unwrap_or_else(|| "battery".to_owned());
-    // Folders say where they lie on one machine: the last name is enough to tell what was meant.
-    let last = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
     let mut command = "voltstep identify battery".to_owned();
-    for input in arguments.inputs.iter().filter_map(last) {
+    for input in arguments.inputs.iter().filter_map(|path| last_name(path)) {
         command += &format!(" {input}");
     }
     if let Some(ah) = arguments.capacity_ah {

@@ -14,6 +14,7 @@ mod bms;
 mod endurance;
 mod experiment;
 mod identify;
+mod identify_vehicle;
 mod list;
 mod replay;
 mod rewind;
@@ -75,6 +76,9 @@ enum Command {
 enum Identify {
     /// A battery from trips (of its pack) or from tests of a cell: slow sweep, pulses, drive cycles
     Battery(identify::Arguments),
+    /// A vehicle from trips with measured torque: mass, what resists it over temperature and
+    /// distance, losses, regeneration
+    Vehicle(identify_vehicle::Arguments),
 }
 
 /// Runs the command; errors go to standard error in one line and end with exit code 2, a check
@@ -101,6 +105,9 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Bms(arguments) => bms::run(&arguments),
         Command::Rewind(arguments) => rewind::run(&arguments),
         Command::Identify { what: Identify::Battery(arguments) } => identify::run(arguments),
+        Command::Identify { what: Identify::Vehicle(arguments) } => {
+            identify_vehicle::run(&arguments)
+        }
         Command::Steps => steps::run(),
         Command::Endurance(arguments) => endurance::run(arguments),
         Command::List => list::run(),

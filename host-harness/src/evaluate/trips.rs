@@ -36,9 +36,10 @@ pub struct TripRow {
     pub energy_rel: f64,
     /// Speed against the measured one \[m/s\]; absent in battery mode.
     pub speed_error_rms_m_s: Option<f64>,
-    /// Whether it counts in the summary.
+    /// Whether it counts in the summary: whether the measurement can be trusted, by rules that do
+    /// not look at the figures of this row.
     pub counts: bool,
-    /// What the reader should know: quirks of the data, why it does not count.
+    /// What the reader should know: quirks of the data, what was repaired, why it does not count.
     pub notes: Vec<String>,
 }
 
@@ -53,6 +54,8 @@ pub struct TripsReport {
     pub trips: Vec<TripRow>,
     /// The spreads of the rows that count, by mode.
     pub summary: SpreadsByMode,
+    /// The spreads of all rows, by mode.
+    pub summary_of_all: SpreadsByMode,
     /// How long it took, reading included \[s\].
     pub wall_s: f64,
 }
@@ -90,15 +93,14 @@ pub fn run(folder: &Path, vehicle: &Vehicle, dt_s: f64) -> anyhow::Result<TripsR
         .map(|path| both_modes(vehicle, &input::trip(path)?, dt_s))
         .collect();
     let trips: Vec<TripRow> = found?.into_iter().flatten().collect();
-    let summary = SpreadsByMode {
-        battery: spreads(&trips, Mode::Battery),
-        vehicle: spreads(&trips, Mode::Vehicle),
-    };
+    let summary = by_mode(&trips, |r| r.counts);
+    let summary_of_all = by_mode(&trips, |_| true);
     Ok(TripsReport {
         vehicle: vehicle.name.clone(),
         dt_s,
         trips,
         summary,
+        summary_of_all,
         wall_s: started.elapsed().as_secs_f64(),
     })
 }
@@ -117,10 +119,10 @@ fn row(vehicle: &Vehicle, trip: &Trip, mode: Mode, dt_s: f64) -> anyhow::Result<
         .with_context(|| format!("{} in {} mode", trip.name, mode.name()))?;
     let summary = replay.summary;
     let error = summary.error.context("no comparison")?;
-    let unfit = trip.unfit(f64::from(vehicle.powertrain.battery.capacity_ah()));
+    let marked = trip.marked(f64::from(vehicle.powertrain.battery.capacity_ah()));
     let mut notes = summary.notes;
-    if !unfit.is_empty() {
-        notes.push("left out of the summary".to_owned());
+    if !marked.is_empty() {
+        notes.push("marked: counts only in the summary of all".to_owned());
     }
     Ok(TripRow {
         name: trip.name.clone(),
@@ -132,16 +134,20 @@ fn row(vehicle: &Vehicle, trip: &Trip, mode: Mode, dt_s: f64) -> anyhow::Result<
         torque_rmse_nm: error.torque_rmse_nm,
         energy_rel: error.energy_rel,
         speed_error_rms_m_s: summary.speed_error_rms_m_s,
-        counts: unfit.is_empty(),
+        counts: marked.is_empty(),
         notes,
     })
 }
 
-fn spreads(trips: &[TripRow], mode: Mode) -> Spreads {
-    let rows: Vec<&TripRow> = trips.iter().filter(|r| r.mode == mode && r.counts).collect();
-    let spreads: Vec<Spread> = FIGURES
-        .iter()
-        .filter_map(|(name, pick)| spread(name, rows.iter().map(|r| pick(r))))
-        .collect();
-    Spreads { count: rows.len(), spreads }
+/// The rows that count, by mode.
+fn by_mode(trips: &[TripRow], counts: fn(&TripRow) -> bool) -> SpreadsByMode {
+    let spreads = |mode: Mode| {
+        let rows: Vec<&TripRow> = trips.iter().filter(|r| r.mode == mode && counts(r)).collect();
+        let spreads: Vec<Spread> = FIGURES
+            .iter()
+            .filter_map(|(name, pick)| spread(name, rows.iter().map(|r| pick(r))))
+            .collect();
+        Spreads { count: rows.len(), spreads }
+    };
+    SpreadsByMode { battery: spreads(Mode::Battery), vehicle: spreads(Mode::Vehicle) }
 }

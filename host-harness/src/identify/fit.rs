@@ -297,7 +297,7 @@ fn factored(matrix: &DMatrix<f64>, which: &[usize]) -> Option<Cholesky<f64, Dyn>
 }
 
 /// The least of `½xᵀMx − gᵀx` over `x ≥ 0`, for the parameters in `free`.
-fn non_negative(
+pub(super) fn non_negative(
     matrix: &DMatrix<f64>,
     goal: &DVector<f64>,
     free: &[usize],

@@ -4,7 +4,8 @@
 //! [`MappedBattery`](plant_core::battery::MappedBattery) is linear in its open-circuit voltages and
 //! resistances, which are tables over the state of charge. `normal` runs the model over every
 //! series and sums the normal equations by blocks, `fit` finds the least squares under bounds and
-//! the standard errors by leaving blocks out, `cross` does the same with whole files.
+//! the standard errors by leaving blocks out, `cross` does the same with whole files. `vehicle` finds
+//! what trips tell of a vehicle.
 
 mod battery;
 mod capacity;
@@ -18,6 +19,7 @@ mod series;
 #[cfg(test)]
 mod tests;
 mod thermal;
+mod vehicle;
 mod write;
 
 pub use battery::{Identified, Options, Tick, identify, of_records};
@@ -25,3 +27,6 @@ pub use capacity::Estimate;
 pub use cross::HeldOut;
 pub use input::NoCapacity;
 pub use thermal::Node;
+pub use vehicle::{
+    IdentifiedVehicle, LeftOut, Parameter, VehicleOptions, identify_vehicle, vehicle_of_trips,
+};

@@ -3,8 +3,11 @@
 //! A file says what `plant_core::presets` says as constants: `data/vehicles/*.toml` are the
 //! examples. Whatever is wrong in one is reported with its line and column.
 
+mod conditions;
 #[cfg(test)]
 mod tests;
+
+pub use conditions::{TripConditions, air_density_kg_m3};
 
 use std::fmt;
 use std::path::Path;
@@ -21,13 +24,13 @@ use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::powertrain::{DriveParams, PackParams, PowertrainParams};
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde::{Deserialize, de};
 
 use crate::read::battery;
 use crate::read::builtin::{BuiltIn, is_toml};
 use crate::read::document::{CHECK_DT, Document};
-use crate::read::error::InputError;
+use crate::read::error::{self, InputError};
 use crate::read::recognise::FileKind;
 
 /// Every built-in vehicle.
@@ -41,6 +44,7 @@ const BUILT_IN: BuiltIn = BuiltIn {
             include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml"),
         ),
         ("bmw-i3-60ah-pmsm", include_str!("../../data/vehicles/bmw-i3-60ah-pmsm.toml")),
+        ("bmw-i3-60ah-trips", include_str!("../../data/vehicles/bmw-i3-60ah-trips.toml")),
         ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
         ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
         ("two-axles", include_str!("../../data/vehicles/two-axles.toml")),
@@ -146,6 +150,8 @@ pub struct Vehicle {
     pub powertrain: PowertrainParams<VehicleBattery, VehicleDrives>,
     /// Who drives it.
     pub driver: DriverParams,
+    /// How a measured trip acts on it; without, the air and the tyres are those of the parameters.
+    pub trips: Option<TripConditions>,
 }
 
 /// A vehicle as its file is laid out.
@@ -168,6 +174,12 @@ struct VehicleFile {
     wheel: WheelParams,
     body: BodyParams,
     driver: DriverParams,
+    trips: Option<TripConditions>,
+    /// What stands beside parameters that were identified.
+    #[serde(default, rename = "fit")]
+    _fit: Option<IgnoredAny>,
+    #[serde(default, rename = "standard_error")]
+    _standard_error: Option<IgnoredAny>,
 }
 
 /// One of several drives as a file lays it out.
@@ -258,6 +270,16 @@ pub fn load(name_or_path: &str) -> Result<Vehicle, InputError> {
     BUILT_IN.load(name_or_path, parse)
 }
 
+/// The text of a vehicle's file, built in or not, and the name that stands for it in messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn text(name_or_path: &str) -> Result<(String, String), InputError> {
+    BUILT_IN.load(name_or_path, |file, bytes| {
+        Ok((file.to_owned(), error::text(file, bytes)?.to_owned()))
+    })
+}
+
 /// A vehicle from the bytes of a file; `file` is for messages.
 ///
 /// # Errors
@@ -283,7 +305,11 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
             body: content.body,
         },
         driver: content.driver,
+        trips: content.trips,
     };
+    if let Some((field, rule)) = vehicle.trips.as_ref().and_then(|t| t.check().err()) {
+        return Err(document.refusal(field, rule));
+    }
     check(&vehicle).map_err(|(error, drive)| {
         let field = in_file(&document, error.field(), drive.filter(|_| several));
         document.refusal(&field, error.message())

@@ -19,6 +19,7 @@ pub(crate) mod table;
 pub(crate) mod trace;
 pub(crate) mod trips;
 pub(crate) mod validation;
+pub(crate) mod vehicle_identified;
 
 use anyhow::Context;
 use serde::Serialize;

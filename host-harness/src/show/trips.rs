@@ -12,9 +12,11 @@ const SPREADS: [Pick; 3] =
 /// A table for each mode, then what the reader should know.
 pub fn render(report: &TripsReport) -> String {
     let mut text = String::new();
-    for (mode, summary) in
-        [(Mode::Battery, &report.summary.battery), (Mode::Vehicle, &report.summary.vehicle)]
-    {
+    let (counted, all) = (&report.summary, &report.summary_of_all);
+    for (mode, counted, all) in [
+        (Mode::Battery, &counted.battery, &all.battery),
+        (Mode::Vehicle, &counted.vehicle, &all.vehicle),
+    ] {
         let mut rows = table(&[
             mode.name(),
             "voltage [V]",
@@ -37,11 +39,15 @@ pub fn render(report: &TripsReport) -> String {
                 number(r.speed_error_rms_m_s, 4),
             ]);
         }
-        for (label, pick) in SPREADS {
+        // Without a marked trip both are the same.
+        let summaries: &[_] = if all.count > counted.count { &[counted, all] } else { &[counted] };
+        let spreads = summaries.iter().flat_map(|of| SPREADS.map(|spread| (*of, spread)));
+        for (summary, (label, pick)) in spreads {
             let of =
                 |name, factor, digits| number(summary.get(name).map(|s| factor * pick(s)), digits);
+            let marked = if summary.count > counted.count { ", marked too" } else { "" };
             rows.add_row([
-                format!("{label} of {}", summary.count),
+                format!("{label} of {}{marked}", summary.count),
                 of("voltage_rmse_v", 1.0, 2),
                 of("soc_rmse", 100.0, 3),
                 of("soc_drop_rel", 100.0, 1),
@@ -53,7 +59,7 @@ pub fn render(report: &TripsReport) -> String {
         }
         text += &format!("{rows}\n");
     }
-    text += "* left out of the summary; RMS of simulated minus measured, drop and energy \
+    text += "* marked, for reasons below that do not look at the result; RMS of simulated minus measured, drop and energy \
              relative, their spreads without sign\n";
     for r in report.trips.iter().filter(|r| r.mode == Mode::Vehicle) {
         for note in &r.notes {

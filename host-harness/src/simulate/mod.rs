@@ -10,6 +10,7 @@ pub mod progress;
 pub mod replay;
 pub mod route;
 pub mod run;
+pub(crate) mod smooth;
 pub mod statistics;
 pub mod summary;
 pub mod synthetic;

@@ -155,7 +155,8 @@ pub fn of_trip(
     let soc = trip
         .first_soc()
         .with_context(|| format!("{}: no state of charge to start from", trip.name))?;
-    let route = Route::of_trip(&trip);
+    let trip = trip.without_frozen();
+    let route = Route::of_trip_for(&trip, &vehicle);
     let (run, replayed) = match mode {
         Mode::Vehicle => {
             // The measured power takes the place of a resistor that stands for its mean.
@@ -185,6 +186,9 @@ pub fn of_trip(
             .map(|_| summary.figures.battery_energy_kwh * 1000.0 / measured.distance_km);
     }
     summary.notes.extend(trip.notes.iter().cloned());
+    let screened = trip.screened();
+    summary.notes.extend(screened.notes);
+    summary.notes.extend(screened.doubts);
     summary.notes.extend(trip.quirks(f64::from(vehicle.powertrain.battery.capacity_ah())));
     summary.measured = Some(measured);
     summary.error = Some(deviation);

@@ -2,14 +2,20 @@
 
 use plant_core::mechanics::slope::Grade;
 
+use plant_core::mechanics::body::RoadResistance;
+
 use crate::read::cycle::Cycle;
-use crate::read::trip::Trip;
+use crate::read::trip::{Trip, mean};
+use crate::read::vehicle::{Vehicle, air_density_kg_m3};
+use crate::simulate::smooth;
 
 /// Trace rows of a cycle are no further apart than this \[s\].
 const CYCLE_ROW_S: f64 = 0.1;
 /// The slope of a trip is measured over this distance to either side \[m\]: its heights come in
 /// steps of a metre.
 const SLOPE_REACH_M: f64 = 50.0;
+/// Density of the air for which the road load of a coast-down test holds \[kg/m³\].
+const COAST_DOWN_AIR_KG_M3: f64 = 1.2;
 /// Steeper slopes than any public road are errors of the height.
 const LARGEST_SIN: f64 = 0.25;
 
@@ -33,6 +39,10 @@ pub struct Row {
     pub auxiliary_w: f32,
     /// Measured temperature of the battery \[°C\]; NaN where there is none.
     pub battery_c: f32,
+    /// Density of the air over that of the parameters.
+    pub air_density_factor: f32,
+    /// Rolling resistance over that of the parameters.
+    pub rolling_factor: f32,
 }
 
 impl Row {
@@ -43,6 +53,8 @@ impl Row {
         grade: Grade::FLAT,
         auxiliary_w: 0.0,
         battery_c: f32::NAN,
+        air_density_factor: 1.0,
+        rolling_factor: 1.0,
     };
 }
 
@@ -68,22 +80,56 @@ impl Route {
         Self { rows }
     }
 
-    /// The trip's speed, slope and auxiliary power; a row per sample.
+    /// The trip's speed, slope and auxiliary power, [screened](Trip::screened); a row per sample.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     pub fn of_trip(trip: &Trip) -> Self {
         let start_s = trip.time_s.first().copied().unwrap_or(0.0);
+        let auxiliary_w = trip.screened().auxiliary_w;
         let grades = grades(trip);
         let rows = (0..trip.time_s.len())
             .map(|i| Row {
                 time_s: trip.time_s[i] - start_s,
                 speed_m_s: trip.speed_m_s[i],
                 grade: grades[i],
-                auxiliary_w: trip.auxiliary_w(i) as f32,
+                auxiliary_w: auxiliary_w[i] as f32,
                 battery_c: trip.battery_c.get(i).map_or(f32::NAN, |c| *c as f32),
+                ..Row::FLAT
             })
             .collect();
         Self { rows }
+    }
+
+    /// The same for a vehicle: where its file says how trips act on it, with speed and heights
+    /// smoothed, and the air and the tyres as they were. The temperature of the air is the mean
+    /// of the trip; without one they are as the parameters have them.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+    pub fn of_trip_for(trip: &Trip, vehicle: &Vehicle) -> Self {
+        let mut route = Self::of_trip(trip);
+        let Some(conditions) = &vehicle.trips else { return route };
+        let speed_m_s =
+            smooth::over_time(&trip.time_s, &trip.speed_m_s, conditions.speed_smoothing_s);
+        let distance_m = distances(&trip.time_s, &speed_m_s);
+        let sines = smooth::slopes(&distance_m, &trip.elevation_m, conditions.height_smoothing_m);
+        let ambient_c = mean(trip.ambient_c.iter().copied());
+        let height_m = mean(trip.elevation_m.iter().copied()).unwrap_or(0.0);
+        let parameters_kg_m3 = match vehicle.powertrain.body.resistance {
+            RoadResistance::Physical { air_density_kg_m3, .. } => f64::from(air_density_kg_m3),
+            RoadResistance::CoastDown { .. } => COAST_DOWN_AIR_KG_M3,
+        };
+        let air = ambient_c.map_or(1.0, |c| air_density_kg_m3(c, height_m) / parameters_kg_m3);
+        let warm = ambient_c.map_or(1.0, |c| conditions.warm_rolling(c));
+        for (i, row) in route.rows.iter_mut().enumerate() {
+            row.speed_m_s = speed_m_s[i];
+            row.grade = Grade::from_sin(sines[i].clamp(-LARGEST_SIN, LARGEST_SIN) as f32);
+            row.air_density_factor = if air.is_finite() { air as f32 } else { 1.0 };
+            row.rolling_factor = (warm + conditions.warm_up(distance_m[i])) as f32;
+            if speed_m_s[i] > 0.0 {
+                row.auxiliary_w += conditions.moving_power_w as f32;
+            }
+        }
+        route
     }
 
     /// How long it takes \[s\].
@@ -93,15 +139,21 @@ impl Route {
     }
 }
 
+/// How far it is from the start at each sample \[m\].
+pub(crate) fn distances(time_s: &[f64], speed_m_s: &[f64]) -> Vec<f64> {
+    let mut distance_m = vec![0.0; time_s.len()];
+    for i in 1..time_s.len() {
+        let mean = 0.5 * (speed_m_s[i] + speed_m_s[i - 1]);
+        distance_m[i] = distance_m[i - 1] + mean.max(0.0) * (time_s[i] - time_s[i - 1]);
+    }
+    distance_m
+}
+
 /// The slope at each sample: the rise over the road from 50 m before to 50 m after.
 #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
 fn grades(trip: &Trip) -> Vec<Grade> {
     let n = trip.time_s.len();
-    let mut distance_m = vec![0.0; n];
-    for i in 1..n {
-        let mean = 0.5 * (trip.speed_m_s[i] + trip.speed_m_s[i - 1]);
-        distance_m[i] = distance_m[i - 1] + mean.max(0.0) * (trip.time_s[i] - trip.time_s[i - 1]);
-    }
+    let distance_m = distances(&trip.time_s, &trip.speed_m_s);
     let (mut behind, mut ahead) = (0, 0);
     (0..n)
         .map(|i| {
@@ -152,5 +204,43 @@ mod tests {
         for row in &route.rows {
             assert!((row.grade.sin - 0.04).abs() < 1e-3, "{row:?}");
         }
+    }
+
+    #[test]
+    fn weather_and_tyres_act_where_the_vehicle_says_how() {
+        let n = 6000;
+        let trip = Trip {
+            time_s: (0..n).map(|i| i as f64 * 0.1).collect(),
+            speed_m_s: (0..n).map(|i| if i == 0 { 0.0 } else { 10.0 }).collect(),
+            elevation_m: vec![500.0; n],
+            ambient_c: vec![0.0; n],
+            heating_w: vec![100.0; n],
+            ..Trip::empty("winter", n)
+        };
+        let mut vehicle = crate::read::vehicle::load("bmw-i3-60ah-trips").unwrap();
+        let route = Route::of_trip_for(&trip, &vehicle);
+        let conditions = vehicle.trips.as_mut().unwrap();
+        let air = air_density_kg_m3(0.0, 500.0) / 1.2;
+        let warm = conditions.warm_rolling(0.0);
+        assert!(air > 1.0 && warm > 1.5, "{air} {warm}");
+        // 2.5 km on, the tyres are warm but for a 1/e.
+        for (i, cold) in [(1, 1.0), (2500, (-1.0_f64).exp())] {
+            let row = &route.rows[i];
+            assert!((f64::from(row.air_density_factor) - air).abs() < 1e-6);
+            let rolling = warm + cold * conditions.warm_up_factor;
+            assert!((f64::from(row.rolling_factor) - rolling).abs() < 1e-3, "{row:?}");
+            assert!(row.grade.sin.abs() < 1e-9);
+        }
+        conditions.moving_power_w = 40.0;
+        let route = Route::of_trip_for(&trip, &vehicle);
+        assert_eq!([0, 100].map(|i| route.rows[i].auxiliary_w), [100.0, 140.0]);
+        // Without a temperature, or a vehicle that says nothing, all is as the parameters have it.
+        let unknown = Trip { ambient_c: vec![f64::NAN; n], ..trip.clone() };
+        let row = Route::of_trip_for(&unknown, &vehicle).rows[5999];
+        assert!(row.air_density_factor == 1.0 && (row.rolling_factor - 1.0).abs() < 0.1);
+        vehicle.trips = None;
+        let plain = Route::of_trip_for(&trip, &vehicle);
+        let as_parameters = |r: &Row| (r.air_density_factor, r.rolling_factor) == (1.0, 1.0);
+        assert!(plain.rows.len() == n && plain.rows.iter().all(as_parameters));
     }
 }

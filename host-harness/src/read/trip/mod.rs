@@ -6,10 +6,12 @@
 
 mod quirks;
 mod read;
+mod screen;
 #[cfg(test)]
 mod tests;
 
 pub use read::parse;
+pub use screen::Screened;
 
 /// What a car recorded, a row per sample, in SI units.
 ///
@@ -41,6 +43,12 @@ pub struct Trip {
     pub aircon_w: Vec<f64>,
     /// Temperature outside \[°C\].
     pub ambient_c: Vec<f64>,
+    /// Position of the accelerator pedal, 0..1.
+    pub throttle: Vec<f64>,
+    /// Power of the heating, as another bus of the car reports it \[W\].
+    pub heating_lin_w: Vec<f64>,
+    /// Power that was asked of the heating \[W\].
+    pub heating_requested_w: Vec<f64>,
     /// What the file lacks, in words.
     pub notes: Vec<String>,
 }
@@ -64,6 +72,9 @@ impl Trip {
             heating_w: zeros(),
             aircon_w: zeros(),
             ambient_c: missing(),
+            throttle: missing(),
+            heating_lin_w: missing(),
+            heating_requested_w: missing(),
             notes: Vec::new(),
         }
     }
@@ -92,7 +103,8 @@ impl Trip {
         integral(&self.time_s, &self.speed_m_s) / 1000.0
     }
 
-    /// Heating and air conditioning at sample `i` \[W\]; 0 where missing, never below 0.
+    /// Heating and air conditioning at sample `i` as reported \[W\]; 0 where missing, never below 0.
+    /// [`screened`](Self::screened) says what of it can be believed.
     #[must_use]
     pub fn auxiliary_w(&self, i: usize) -> f64 {
         // `max` takes the number where the other is not one.
@@ -117,6 +129,13 @@ impl Trip {
     pub fn missing_soc(&self) -> usize {
         self.soc.iter().filter(|s| !s.is_finite()).count()
     }
+}
+
+/// What there is of `samples` lies on average here; none where there is nothing.
+pub(crate) fn mean(samples: impl Iterator<Item = f64>) -> Option<f64> {
+    let finite = samples.filter(|x| x.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+    (count > 0.0).then(|| sum / count)
 }
 
 /// The integral of `values` over time by the trapezoidal rule.

@@ -26,7 +26,8 @@ impl Trip {
     /// - gaps that were filled with straight lines,
     /// - a change of the state of charge, 5 points at least, that does not fit the ampere-hours to
     ///   15 %,
-    /// - heating and air conditioning above what the battery gives at standstill, or below 0.
+    /// - heating and air conditioning above what the battery gives at standstill although they were
+    ///   [screened](Self::screened), or below 0.
     #[must_use]
     pub fn quirks(&self, capacity_ah: f64) -> Vec<String> {
         let mut quirks = Vec::new();
@@ -128,8 +129,9 @@ impl Trip {
             ));
         }
         let standing = (0..self.len()).filter(|&i| self.speed_m_s[i] == 0.0);
+        let auxiliary_w = self.screened().auxiliary_w;
         let phantom =
-            |&i: &usize| self.auxiliary_w(i) > self.battery_v[i] * self.battery_a[i] + PHANTOM_W;
+            |&i: &usize| auxiliary_w[i] > self.battery_v[i] * self.battery_a[i] + PHANTOM_W;
         let (standing, phantoms) =
             standing.fold((0, 0), |(n, k), i| (n + 1, k + usize::from(phantom(&i))));
         if phantoms > 0 {

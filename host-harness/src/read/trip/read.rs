@@ -28,10 +28,12 @@ enum Needed {
     Column,
     /// Nothing; this stands for a whole column.
     Nothing(f64),
+    /// Nothing, and few files have it: that it is not there is no news.
+    Spare,
 }
 
 const TIME: usize = 0;
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 14] = [
     column("Time", "s", Needed::Samples, 1.0, (-1e9, 1e9)),
     column("Velocity", "km/h", Needed::Samples, 1.0 / 3.6, (-400.0, 400.0)),
     column("Elevation", "m", Needed::Samples, 1.0, (-1000.0, 10_000.0)),
@@ -43,6 +45,9 @@ const COLUMNS: [Column; 11] = [
     column("Heating Power CAN", "kW", Needed::Nothing(0.0), 1e3, (-1e3, 1e3)),
     column("AirCon Power", "kW", Needed::Nothing(0.0), 1e3, (-1e3, 1e3)),
     column("Ambient Temperature", "°C", Needed::Nothing(f64::NAN), 1.0, (-200.0, 200.0)),
+    column("Throttle", "%", Needed::Spare, 0.01, (-100.0, 1000.0)),
+    column("Heating Power LIN", "W", Needed::Spare, 1.0, (-1e6, 1e6)),
+    column("Requested Heating Power", "W", Needed::Spare, 1.0, (-1e6, 1e6)),
 ];
 
 const fn column(
@@ -126,8 +131,10 @@ impl Source<'_> {
             return Err(self.error(format!("{rows} samples; expected two at least")));
         }
         for (column, values) in COLUMNS.iter().zip(&mut values) {
-            if let (Needed::Nothing(absent), true) = (column.needed, values.is_empty()) {
-                values.resize(rows, absent);
+            match column.needed {
+                Needed::Nothing(absent) if values.is_empty() => values.resize(rows, absent),
+                Needed::Spare if values.is_empty() => values.resize(rows, f64::NAN),
+                _ => {}
             }
         }
         let mut values = values.into_iter();
@@ -146,6 +153,9 @@ impl Source<'_> {
             heating_w: next(),
             aircon_w: next(),
             ambient_c: next(),
+            throttle: next(),
+            heating_lin_w: next(),
+            heating_requested_w: next(),
             notes,
         })
     }
@@ -162,6 +172,7 @@ impl Source<'_> {
             *place = found.iter().position(|n| n.eq_ignore_ascii_case(name));
             match needed {
                 _ if place.is_some() => {}
+                Needed::Spare => {}
                 Needed::Nothing(absent) if absent.is_nan() => {
                     notes.push(format!("no column `{name} [{unit}]`"));
                 }

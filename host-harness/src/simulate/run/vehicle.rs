@@ -201,7 +201,12 @@ impl Stretch {
             first_m_s: first as f32,
             per_step_m_s: (rate * dt_s) as f32,
             rate_m_s2: rate as f32,
-            road: Road { grade: row.grade, ..Road::default() },
+            road: Road {
+                grade: row.grade,
+                air_density_factor: row.air_density_factor,
+                rolling_factor: row.rolling_factor,
+                ..Road::default()
+            },
             auxiliary_w: row.auxiliary_w,
         }
     }
