@@ -199,10 +199,11 @@ fn found(trips: Vec<Trip>) -> IdentifiedVehicle {
     let folder = tempfile::tempdir().unwrap();
     let template = folder.path().join("fleet.toml");
     // The fleet's heights are sound: they need little smoothing.
-    let text = vehicle::text("bmw-i3-60ah").unwrap().1
-        + "[trips]\nspeed_smoothing_s = 0.15\nheight_smoothing_m = 40.0\nrolling_factor = [[15, 1]]\n\
-           warm_up_factor = 0\nwarm_up_m = 2500\nmoving_power_w = 0\n";
-    std::fs::write(&template, text).unwrap();
+    let mut text: toml::Table = vehicle::text("bmw-i3-60ah").unwrap().1.parse().unwrap();
+    let trips_table = "speed_smoothing_s = 0.15\nheight_smoothing_m = 40.0\nrolling_factor = [[15, 1]]\n\
+                       warm_up_factor = 0\nwarm_up_m = 2500\nmoving_power_w = 0\n";
+    text.insert("trips".into(), trips_table.parse::<toml::Table>().unwrap().into());
+    std::fs::write(&template, toml::to_string(&text).unwrap()).unwrap();
     vehicle_of_trips(trips, options("fleet", template.to_str().unwrap()), &|_| Ok(())).unwrap()
 }
 
@@ -267,6 +268,29 @@ fn a_trip_that_contradicts_itself_is_marked_and_never_fitted() {
     assert_eq!((with.expected.count, with.expected_of_all.count), (13, 14));
     let values = |of: &IdentifiedVehicle| of.parameters.iter().map(|p| p.value).collect::<Vec<_>>();
     assert_eq!(values(&with), values(&without));
+}
+
+/// The built-in vehicle is what the command makes of the real trips, and stays so when it is the one
+/// to start from.
+#[test]
+fn the_built_in_vehicle_is_what_the_trips_tell() {
+    let files = voltstep_tests::real_files("bmw-i3-trips");
+    if files.is_empty() {
+        return;
+    }
+    let options = options("bmw-i3-60ah", "bmw-i3-60ah");
+    let found = identify_vehicle(&files, options, &|_| Ok(())).unwrap().toml;
+    let mut found: toml::Table = found.parse().unwrap();
+    let mut kept: toml::Table = vehicle::text("bmw-i3-60ah").unwrap().1.parse().unwrap();
+    let of = |fit: Option<toml::Value>, key: &str| fit.unwrap()[key].clone();
+    let (found_fit, kept_fit) = (found.remove("fit"), kept.remove("fit"));
+    assert_eq!(of(found_fit.clone(), "trips"), of(kept_fit.clone(), "trips"));
+    assert_eq!(of(found_fit, "not_fitted"), of(kept_fit, "not_fitted"));
+    for text in ["description", "source"] {
+        found.remove(text);
+        kept.remove(text);
+    }
+    assert_eq!(found, kept);
 }
 
 /// Identified from one half of the real trips; judged on the other.

@@ -44,7 +44,6 @@ const BUILT_IN: BuiltIn = BuiltIn {
             include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml"),
         ),
         ("bmw-i3-60ah-pmsm", include_str!("../../data/vehicles/bmw-i3-60ah-pmsm.toml")),
-        ("bmw-i3-60ah-trips", include_str!("../../data/vehicles/bmw-i3-60ah-trips.toml")),
         ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
         ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
         ("two-axles", include_str!("../../data/vehicles/two-axles.toml")),

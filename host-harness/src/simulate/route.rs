@@ -217,7 +217,7 @@ mod tests {
             heating_w: vec![100.0; n],
             ..Trip::empty("winter", n)
         };
-        let mut vehicle = crate::read::vehicle::load("bmw-i3-60ah-trips").unwrap();
+        let mut vehicle = crate::read::vehicle::load("bmw-i3-60ah").unwrap();
         let route = Route::of_trip_for(&trip, &vehicle);
         let conditions = vehicle.trips.as_mut().unwrap();
         let air = air_density_kg_m3(0.0, 500.0) / 1.2;

@@ -45,7 +45,7 @@ fn sandbox() -> Sandbox {
     sandbox.write("trip-no-soc.csv", no_soc);
     sandbox.write("trip-binary.csv", b"\0\x01;\xff\n;;;\n\r\x1b[31m");
 
-    sandbox.write("negative.toml", with(VEHICLE, "\nmass_kg = ", "\nmass_kg = -"));
+    sandbox.write("negative.toml", with(VEHICLE, "[body]\nmass_kg = ", "[body]\nmass_kg = -"));
     sandbox.write("typo.toml", with(VEHICLE, "\nradius_m", "\nradios_m"));
     sandbox.write("half.toml", &VEHICLE[..VEHICLE.find("radius_m").unwrap()]);
     sandbox.write("broken.toml", with(VEHICLE, "[wheel]", "[wheel"));

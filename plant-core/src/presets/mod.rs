@@ -44,7 +44,7 @@ pub const VEHICLES: [&Vehicle; 4] =
     [&BMW_I3_60AH_CONSTANT, &BMW_I3_60AH_EPOWERTRAIN, &EPOWERTRAIN_UDDS, &EPOWERTRAIN_UDDS_TABLE];
 
 /// Every vehicle whose battery has parameters over state of charge and temperature.
-pub const MAPPED_VEHICLES: [&Vehicle<MappedBatteryParams>; 2] = [&BMW_I3_60AH, &BMW_I3_60AH_TRIPS];
+pub const MAPPED_VEHICLES: [&Vehicle<MappedBatteryParams>; 1] = [&BMW_I3_60AH];
 
 /// The laboratory motor as identified by Pasek's method \[EPowertrain2025, section 5.2.1\].
 pub const MOTOR_PASEK: DcMotorParams = DcMotorParams {
@@ -217,7 +217,59 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
     }),
 };
 
-/// A physical BMW i3 60 Ah, with the battery of [`BMW_I3_60AH_PACK`].
+/// A physical BMW i3 60 Ah as 26 trips of a real car tell it (TU Munich, DOI 10.21227/6jr9-5235), with
+/// the battery of [`BMW_I3_60AH_PACK`]; what trips do not tell is that of [`BMW_I3_60AH_CONSTANT`].
+///
+/// Mass, drag, rolling resistance at 15 °C on warm tyres, gear, losses of motor and converter, base
+/// load and regeneration are found by `voltstep identify vehicle`. The standard errors stand in its
+/// file, and how far it is from trips that it was not fitted to. The losses are those of a DC machine
+/// and a converter together: they do not tell one from the other.
+pub const BMW_I3_60AH: Vehicle<MappedBatteryParams> = Vehicle {
+    name: "bmw-i3-60ah",
+    initial_soc: BMW_I3_60AH_CONSTANT.initial_soc,
+    powertrain: PowertrainParams {
+        auxiliary: AuxiliaryParams { power_w: 524.55, ..BMW_I3_60AH_CONSTANT.powertrain.auxiliary },
+        drives: DriveParams {
+            converter: ConverterParams {
+                voltage_drop_v: 2.4574,
+                ..BMW_I3_60AH_CONSTANT.powertrain.drives.converter
+            },
+            motor: DcMotorParams {
+                resistance_ohm: 3.3193e-3,
+                viscous_nm_s_per_rad: 1.1553e-3,
+                ..BMW_I3_60AH_CONSTANT.powertrain.drives.motor
+            },
+            gearbox: GearboxParams {
+                efficiency: 0.92668,
+                ..BMW_I3_60AH_CONSTANT.powertrain.drives.gearbox
+            },
+            ..BMW_I3_60AH_CONSTANT.powertrain.drives
+        },
+        body: BodyParams {
+            mass_kg: 1486.5,
+            resistance: RoadResistance::Physical {
+                drag_coefficient: 0.2461,
+                frontal_area_m2: 2.38,
+                air_density_kg_m3: 1.2,
+                rolling_coefficient: 0.009_992_7,
+            },
+        },
+        ..BMW_I3_60AH_CONSTANT.powertrain.with_battery(BMW_I3_60AH_PACK)
+    },
+    driver: match BMW_I3_60AH_CONSTANT.driver {
+        DriverParams::Torque(driver) => DriverParams::Torque(TorqueDriverParams {
+            regen_torque_nm: 86.5,
+            regen_power_w: 54_323.0,
+            regen_fade_m_s: 1.25,
+            ..driver
+        }),
+        duty @ DriverParams::Duty(_) => duty,
+    },
+};
+
+/// A physical BMW i3 60 Ah from its data sheet and estimates, with a battery of constant parameters,
+/// for targets that want no map: 60 Ah, 343.22…399.8 V, 0.1051 Ω and the RC branch from
+/// EPowertrain2025, Table 5.6, identified there on one trip of the real car.
 ///
 /// | Value | Source |
 /// |---|---|
@@ -236,61 +288,6 @@ pub const BMW_I3_60AH_EPOWERTRAIN: Vehicle = Vehicle {
 /// | converter 1000 A | estimate: 8 % above the current of the peak torque |
 /// | regeneration fades below 3 m/s and above 95 % | estimate |
 /// | friction brake 15 kN | estimate: more than the tyres hold |
-pub const BMW_I3_60AH: Vehicle<MappedBatteryParams> = Vehicle {
-    name: "bmw-i3-60ah",
-    initial_soc: BMW_I3_60AH_CONSTANT.initial_soc,
-    powertrain: BMW_I3_60AH_CONSTANT.powertrain.with_battery(BMW_I3_60AH_PACK),
-    driver: BMW_I3_60AH_CONSTANT.driver,
-};
-
-/// [`BMW_I3_60AH`] as 26 trips of a real car tell it (TU Munich, DOI 10.21227/6jr9-5235), found by
-/// `voltstep identify vehicle`: mass, drag, rolling resistance at 15 °C on warm tyres, gear, losses of
-/// motor and converter, base load, regeneration. The standard errors stand in its file, and how far it
-/// is from trips that it was not fitted to. The losses are those of a DC machine and a converter
-/// together: they do not tell one from the other.
-pub const BMW_I3_60AH_TRIPS: Vehicle<MappedBatteryParams> = Vehicle {
-    name: "bmw-i3-60ah-trips",
-    powertrain: PowertrainParams {
-        auxiliary: AuxiliaryParams { power_w: 524.55, ..BMW_I3_60AH.powertrain.auxiliary },
-        drives: DriveParams {
-            converter: ConverterParams {
-                voltage_drop_v: 2.4574,
-                ..BMW_I3_60AH.powertrain.drives.converter
-            },
-            motor: DcMotorParams {
-                resistance_ohm: 3.3193e-3,
-                viscous_nm_s_per_rad: 1.1553e-3,
-                ..BMW_I3_60AH.powertrain.drives.motor
-            },
-            gearbox: GearboxParams { efficiency: 0.92668, ..BMW_I3_60AH.powertrain.drives.gearbox },
-            ..BMW_I3_60AH.powertrain.drives
-        },
-        body: BodyParams {
-            mass_kg: 1486.5,
-            resistance: RoadResistance::Physical {
-                drag_coefficient: 0.2461,
-                frontal_area_m2: 2.38,
-                air_density_kg_m3: 1.2,
-                rolling_coefficient: 0.009_992_7,
-            },
-        },
-        ..BMW_I3_60AH.powertrain
-    },
-    driver: match BMW_I3_60AH.driver {
-        DriverParams::Torque(driver) => DriverParams::Torque(TorqueDriverParams {
-            regen_torque_nm: 86.5,
-            regen_power_w: 54_323.0,
-            regen_fade_m_s: 1.25,
-            ..driver
-        }),
-        duty @ DriverParams::Duty(_) => duty,
-    },
-    ..BMW_I3_60AH
-};
-
-/// [`BMW_I3_60AH`] with a battery of constant parameters, for targets that want no map: 60 Ah,
-/// 343.22…399.8 V, 0.1051 Ω and the RC branch from EPowertrain2025, Table 5.6, identified there
-/// on one trip of the real car.
 pub const BMW_I3_60AH_CONSTANT: Vehicle = Vehicle {
     name: "bmw-i3-60ah-constant",
     initial_soc: 0.90,
@@ -365,7 +362,7 @@ pub const BMW_I3_60AH_CONSTANT: Vehicle = Vehicle {
 ///
 /// The real car has one of 6 pole pairs, 250 N·m, 125 kW and 11 400 rpm (BMW, technical data of the
 /// i3, 2013). Its flux and inductances are estimates: those with which 530 A make 250 N·m, and 355 V
-/// hold that torque up to 4500 rpm; 10 mΩ make the heat of [`BMW_I3_60AH`] at that torque, and the
+/// hold that torque up to 4500 rpm; 10 mΩ make the heat of [`BMW_I3_60AH_CONSTANT`] at that torque, and the
 /// iron takes 1 kW at full voltage.
 pub const BMW_I3_60AH_PMSM: Vehicle<BatteryParams, DriveParams<PmsmParams>> = Vehicle {
     name: "bmw-i3-60ah-pmsm",

@@ -372,7 +372,7 @@ fn syntax_errors() {
 #[test]
 fn a_name_that_is_not_known() {
     let list = "(built in: `bmw-i3-60ah`, `bmw-i3-60ah-constant`, `bmw-i3-60ah-epowertrain`, \
-                `bmw-i3-60ah-pmsm`, `bmw-i3-60ah-trips`, `epowertrain-udds`, `epowertrain-udds-table`, `two-axles`; or the path of a .toml file)";
+                `bmw-i3-60ah-pmsm`, `epowertrain-udds`, `epowertrain-udds-table`, `two-axles`; or the path of a .toml file)";
     let error = load("bmw-i3-60").unwrap_err().to_string();
     assert_eq!(error, format!("bmw-i3-60: no such vehicle; did you mean `bmw-i3-60ah`? {list}"));
     assert_eq!(load("tank").unwrap_err().to_string(), format!("tank: no such vehicle {list}"));

@@ -69,7 +69,7 @@ fn the_torque_is_the_commanded_one_at_any_step() {
 #[test]
 #[cfg_attr(miri, ignore = "too many steps for an interpreter")]
 fn the_car_that_trips_tell_is_as_quick_as_the_real_one() {
-    let told = crate::presets::BMW_I3_60AH_TRIPS;
+    let told = crate::presets::BMW_I3_60AH;
     let powertrain = told.powertrain.with_battery(CAR.powertrain.battery);
     let car = Vehicle { name: told.name, initial_soc: 0.6, powertrain, driver: told.driver };
     let to_100_s = drive_for(&car, 1e-3, 10.0, 0.0, |_| (50.0, 0.0)).to_100_s;
