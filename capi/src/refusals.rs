@@ -296,6 +296,7 @@ const OTHERS: &[(VoltstepStatus, &CStr)] = &[
     ),
     (VoltstepStatus::StateOfOtherDrives, c"the state was initialised by a plant with other drives"),
     (VoltstepStatus::DutyNotTaken, c"a duty beside a torque, or for drives that take none"),
+    (VoltstepStatus::NotBuiltIn, c"the library was built without this kind of drive"),
     (VoltstepStatus::UnknownPreset, c"preset must be one of VoltstepPreset"),
     (VoltstepStatus::UnknownBatteryModel, c"battery.model must be one of VoltstepBatteryModel"),
     (

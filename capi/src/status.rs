@@ -43,6 +43,8 @@ pub enum VoltstepStatus {
     StateOfOtherDrives = 16,
     /// A duty beside a torque, or for drives that take none: only one DC drive does.
     DutyNotTaken = 17,
+    /// The library was built without this kind of drive: the features `pmsm`, `drives`.
+    NotBuiltIn = 18,
     /// No such preset.
     UnknownPreset = 20,
     /// `battery.model` is none of `VoltstepBatteryModel`.
