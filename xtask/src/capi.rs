@@ -45,6 +45,9 @@ pub const CORTEX_M4F: &[&str] =
 /// Header, library, example, here and on target.
 pub fn capi() -> Result<()> {
     header()?;
+    run(cargo()
+        .args(["test", "--quiet", "-p", PACKAGE, "--no-default-features"])
+        .args(["--test", "not_built_in"]))?;
     let folder = folder()?;
     let golden = fs::read_to_string(root().join(GOLDEN)).context(GOLDEN)?;
     let small = library(Some(TARGET), Kinds::OneDc)?;

@@ -104,11 +104,6 @@ pub(super) struct Wired<'a> {
     pub told: &'a mut Told,
 }
 
-/// A value that was just taken.
-fn taken(value: f32) -> Reading {
-    Reading { valid: value.is_finite(), ..Reading::new(value) }
-}
-
 /// Rows by their bits; what is none is left out.
 pub(super) fn rows(words: [u32; 3]) -> Faults {
     let mut faults = Faults::NONE;
@@ -134,22 +129,22 @@ impl Board<CELLS, SENSORS> for Wired<'_> {
         let new = self.inputs;
         if new.cells_new != 0 {
             for (reading, value) in into.cell_v.iter_mut().zip(new.cell_v) {
-                *reading = taken(value);
+                *reading = Reading::new(value);
             }
         }
         if new.temperatures_new != 0 {
             for (reading, value) in into.temperature_c.iter_mut().zip(new.temperature_c) {
-                *reading = taken(value);
+                *reading = Reading::new(value);
             }
         }
         if new.current_new != 0 {
-            into.current_a = taken(new.current_a);
+            into.current_a = Reading::new(new.current_a);
         }
         if new.pack_new != 0 {
-            into.pack_v = taken(new.pack_v);
+            into.pack_v = Reading::new(new.pack_v);
         }
         if new.link_new != 0 {
-            into.link_v = taken(new.link_v);
+            into.link_v = Reading::new(new.link_v);
         }
     }
 
@@ -179,7 +174,8 @@ impl Board<CELLS, SENSORS> for Wired<'_> {
     }
 
     fn insulation_ohm_per_v(&mut self) -> Option<Reading> {
-        (self.inputs.insulation_watched != 0).then(|| taken(self.inputs.insulation_ohm_per_v))
+        (self.inputs.insulation_watched != 0)
+            .then(|| Reading::new(self.inputs.insulation_ohm_per_v))
     }
 
     fn cells_found(&mut self) -> Option<u16> {

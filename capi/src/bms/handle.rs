@@ -143,7 +143,7 @@ pub unsafe extern "C" fn voltstep_bms_params_typical(
 /// where the estimators have it, too, else `VOLTSTEP_STATUS_PARAMETER`; its words are in `*refused`,
 /// a static text, null where nothing is refused; `refused` itself may be null. After a refusal `bms`
 /// is not initialised. The object has to stay where it is: a copy of it is refused by
-/// `VOLTSTEP_STATUS_BMS_MOVED`. It takes some 20 kB of stack, once.
+/// `VOLTSTEP_STATUS_BMS_MOVED`. It takes some 26 kB of stack, once.
 ///
 /// # Safety
 /// Each pointer is null or points to an object of its type; `params` is set.
@@ -187,31 +187,50 @@ impl Refusal {
 /// # Safety
 /// As for [`voltstep_bms_init`], with pointers that were checked.
 unsafe fn set_up(bms: *mut VoltstepBms, params: *const VoltstepBmsParams) -> Result<(), Refusal> {
-    // SAFETY: checked, and set by the caller's promise.
-    let params = unsafe { &*params }.model().map_err(Refusal::By)?;
     let inside = bms.cast::<Whole>();
-    // SAFETY: checked, writable by the caller's promise, and large enough (`Opaque`).
-    unsafe { (&raw mut (*inside).mark).write(0) };
-    let description = Description::new(params).map_err(Refusal::Of)?;
-    // SAFETY: as above.
-    let description = unsafe {
-        (&raw mut (*inside).description).write(description);
-        // Read as long as the object lies there with its mark, which `whole` checks.
-        &(*inside).description
-    };
-    let derived = Bms::new(description).map_err(Refusal::Of)?;
-    // SAFETY: as above.
+    // SAFETY: checked, writable by the caller's promise, and large enough (`Opaque`). The description
+    // is read as long as the object lies there with its mark, which `whole` checks.
     unsafe {
-        (&raw mut (*inside).bms).write(derived);
+        (&raw mut (*inside).mark).write(0);
+        describe(&raw mut (*inside).description, &*params)?;
+        derive(&raw mut (*inside).bms, &(*inside).description)?;
         (&raw mut (*inside).home).write(bms.addr());
         (&raw mut (*inside).mark).write(VoltstepBms::MARK);
     }
     Ok(())
 }
 
+/// The description, checked. Apart from what follows, or the stack would have to hold both at once.
+///
+/// # Safety
+/// `place` may be written.
+#[inline(never)]
+unsafe fn describe(place: *mut Description, params: &VoltstepBmsParams) -> Result<(), Refusal> {
+    let params = params.model().map_err(Refusal::By)?;
+    let description = Description::new(params).map_err(Refusal::Of)?;
+    // SAFETY: as promised by the caller.
+    unsafe { place.write(description) };
+    Ok(())
+}
+
+/// What follows from it.
+///
+/// # Safety
+/// `place` may be written.
+#[inline(never)]
+unsafe fn derive(
+    place: *mut Bms<CELLS, SENSORS>,
+    description: &'static Description,
+) -> Result<(), Refusal> {
+    let derived = Bms::new(description).map_err(Refusal::Of)?;
+    // SAFETY: as promised by the caller.
+    unsafe { place.write(derived) };
+    Ok(())
+}
+
 /// After a reset: from what was recorded, null: nothing is known of the charge, and the product's
 /// clock in s, where `timed` is other than 0, at a first temperature in degC (-100..200). Everything
-/// is open, nothing is asked for.
+/// is open, nothing is asked for. It takes some 10 kB of stack, a tick 2.
 ///
 /// # Safety
 /// Each pointer is null or points to an object of its type; `record` is set.
