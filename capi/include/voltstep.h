@@ -2595,7 +2595,7 @@ VoltstepStatus voltstep_bms_params_typical(const struct VoltstepBmsSheet *sheet,
 // where the estimators have it, too, else `VOLTSTEP_STATUS_PARAMETER`; its words are in `*refused`,
 // a static text, null where nothing is refused; `refused` itself may be null. After a refusal `bms`
 // is not initialised. The object has to stay where it is: a copy of it is refused by
-// `VOLTSTEP_STATUS_BMS_MOVED`. It takes some 20 kB of stack, once.
+// `VOLTSTEP_STATUS_BMS_MOVED`. It takes some 26 kB of stack, once.
 //
 // # Safety
 // Each pointer is null or points to an object of its type; `params` is set.
@@ -2605,7 +2605,7 @@ VoltstepStatus voltstep_bms_init(struct VoltstepBms *bms,
 
 // After a reset: from what was recorded, null: nothing is known of the charge, and the product's
 // clock in s, where `timed` is other than 0, at a first temperature in degC (-100..200). Everything
-// is open, nothing is asked for.
+// is open, nothing is asked for. It takes some 10 kB of stack, a tick 2.
 //
 // # Safety
 // Each pointer is null or points to an object of its type; `record` is set.
