@@ -1,7 +1,7 @@
 /*
  * Voltstep for C: an EV powertrain (battery, up to four drives of converter, DC or synchronous
- * machine and gearbox, wheels, body) with its driver, in fixed steps, and the estimators of a
- * battery; single precision, without allocation; bit for bit the same on a Cortex-M4F and on a PC.
+ * machine and gearbox, wheels, body) with its driver, in fixed steps, the estimators of a
+ * battery, and a whole BMS; single precision, without allocation; bit for bit the same on a Cortex-M4F and on a PC.
  *
  *   VoltstepParams params;
  *   voltstep_params_preset(VOLTSTEP_PRESET_BMW_I3_CONSTANT, &params);
@@ -19,6 +19,19 @@
  *   voltstep_series_start(&estimators, pack, sizeof pack / 8, 18, 0, NAN, 25.0f);
  *   every 100 ms: voltstep_series_step(&estimators, pack, &sample, cell_v, 18, &believed);
  *
+ *   VoltstepBmsSheet sheet;                            // from your data sheets
+ *   VoltstepBmsParams described;
+ *   voltstep_bms_params_typical(&sheet, &known.cell, 33.0f, &described);
+ *   static VoltstepBms bms;                            // stays where it is
+ *   voltstep_bms_init(&bms, &described, &refused);     // names a bad field
+ *   static VoltstepBmsState battery;
+ *   voltstep_bms_start(&bms, &battery, 0, 0, 0, 25.0f);
+ *   every millisecond: voltstep_bms_tick(&bms, &battery, &measured, &told);
+ *
+ * Built with --no-default-features the library has plants with one DC drive, in 15 kB of flash; the
+ * features `pmsm` (synchronous machines) and `drives` (two to four drives) add to them. What is not
+ * built in is refused by VOLTSTEP_STATUS_NOT_BUILT_IN.
+ *
  * All memory is the caller's. Units stand in the names (_a A, _v V, _nm N m, _m_s m/s, ...);
  * ratios have none. Discharge current, traction torque and forward speed are positive. Every
  * function checks its pointers and answers with a VoltstepStatus. A function may be called from
@@ -32,6 +45,32 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* A struct that begins at a multiple of n bytes. */
+#if defined(__cplusplus)
+#define VOLTSTEP_ALIGNED(n) alignas(n)
+#elif defined(_MSC_VER)
+#define VOLTSTEP_ALIGNED(n) __declspec(align(n))
+#else
+#define VOLTSTEP_ALIGNED(n) __attribute__((aligned(n)))
+#endif
+
+// Words (8 bytes) of a `VoltstepBms`.
+#define VOLTSTEP_BMS_WORDS 1280
+
+// Words (8 bytes) of a `VoltstepBmsState`.
+#define VOLTSTEP_BMS_STATE_WORDS 832
+
+// Cells in series that a BMS may have at most. How many a library is built for is chosen by the
+// environment variable `VOLTSTEP_BMS_CELLS` when building; 18 without it.
+#define VOLTSTEP_BMS_CELLS_MAX 18
+
+// Temperatures that a BMS may have at most. How many a library is built for is chosen by the
+// environment variable `VOLTSTEP_BMS_SENSORS` when building; 4 without it.
+#define VOLTSTEP_BMS_SENSORS_MAX 8
+
+// Wires between so many cells and the front end.
+#define VOLTSTEP_BMS_WIRES_MAX 19
 
 // Words (8 bytes) of a `VoltstepEstimators`.
 #define VOLTSTEP_ESTIMATORS_WORDS 704
@@ -130,6 +169,8 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_STATE_OF_OTHER_DRIVES = 16,
   // A duty beside a torque, or for drives that take none: only one DC drive does.
   VOLTSTEP_STATUS_DUTY_NOT_TAKEN = 17,
+  // The library was built without this kind of drive: the features `pmsm`, `drives`.
+  VOLTSTEP_STATUS_NOT_BUILT_IN = 18,
   // No such preset.
   VOLTSTEP_STATUS_UNKNOWN_PRESET = 20,
   // `battery.model` is none of `VoltstepBatteryModel`.
@@ -150,6 +191,12 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_DRIVE_COUNT = 28,
   // `driver` is a duty's, which drives one DC machine only.
   VOLTSTEP_STATUS_DRIVER_OF_ONE_DC = 29,
+  // The BMS was not initialised: `voltstep_bms_init`.
+  VOLTSTEP_STATUS_BMS_NOT_INITIALISED = 30,
+  // The BMS is a copy, or was moved: initialise it where it lies.
+  VOLTSTEP_STATUS_BMS_MOVED = 31,
+  // The library was built for a BMS with another number of temperatures.
+  VOLTSTEP_STATUS_SENSOR_COUNT = 32,
   // A parameter is out of range, and this version has no code of its own for it.
   VOLTSTEP_STATUS_PARAMETER = 99,
   // `dt_s` must be finite and between 1e-12 and 1e12.
@@ -797,19 +844,714 @@ typedef uint32_t VoltstepBoundBy;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Every estimator of a cell, checked and discretised for the time between two samples. Opaque: set
-// it up by `voltstep_estimators_init` where it stays, a copy is refused; from then on it is only
-// read, so any number of states may share it.
-typedef struct VoltstepEstimators {
-  // Not for reading.
-  uint64_t opaque[VOLTSTEP_ESTIMATORS_WORDS];
-} VoltstepEstimators;
+// What a contactor shows.
+enum VoltstepBmsFeedback
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // It could not be read.
+  VOLTSTEP_BMS_FEEDBACK_UNKNOWN = 0,
+  // Open.
+  VOLTSTEP_BMS_FEEDBACK_OPEN = 1,
+  // Closed.
+  VOLTSTEP_BMS_FEEDBACK_CLOSED = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsFeedback VoltstepBmsFeedback;
+#else
+typedef uint32_t VoltstepBmsFeedback;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
 
-// What the coulomb counter remembers. Opaque; a snapshot is a copy.
-typedef struct VoltstepCounterState {
+// What somebody asks for.
+enum VoltstepBmsWish
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Nobody is there, or has not been heard in time.
+  VOLTSTEP_BMS_WISH_SILENT = 0,
+  // Open.
+  VOLTSTEP_BMS_WISH_OFF = 1,
+  // Close to drive.
+  VOLTSTEP_BMS_WISH_DRIVE = 2,
+  // Close to charge.
+  VOLTSTEP_BMS_WISH_CHARGE = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsWish VoltstepBmsWish;
+#else
+typedef uint32_t VoltstepBmsWish;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which faults to end.
+enum VoltstepBmsClear
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // None.
+  VOLTSTEP_BMS_CLEAR_NO = 0,
+  // What a reset by the driver or the vehicle may end.
+  VOLTSTEP_BMS_CLEAR_RESET = 1,
+  // What a workshop may end, too.
+  VOLTSTEP_BMS_CLEAR_SERVICE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsClear VoltstepBmsClear;
+#else
+typedef uint32_t VoltstepBmsClear;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What the BMS watches: a row of its table is a bit in the sets of rows, row k in word k/32. Limits
+// are the field's three, each inside the next: maximum operating (MOL), recommended safety (RSL) and
+// maximum safety limit (MSL).
+enum VoltstepBmsRow
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The lowest cell against its MOL.
+  VOLTSTEP_BMS_ROW_CELL_VOLTAGE_LOW_MOL = 0,
+  // The lowest cell against its RSL.
+  VOLTSTEP_BMS_ROW_CELL_VOLTAGE_LOW_RSL = 1,
+  // The lowest cell against its MSL.
+  VOLTSTEP_BMS_ROW_CELL_VOLTAGE_LOW_MSL = 2,
+  // The highest cell against its MOL.
+  VOLTSTEP_BMS_ROW_CELL_VOLTAGE_HIGH_MOL = 3,
+  // The highest cell against its RSL.
+  VOLTSTEP_BMS_ROW_CELL_VOLTAGE_HIGH_RSL = 4,
+  // The highest cell against its MSL.
+  VOLTSTEP_BMS_ROW_CELL_VOLTAGE_HIGH_MSL = 5,
+  // The coldest sensor against the MOL of discharging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_DISCHARGE_LOW_MOL = 6,
+  // The coldest sensor against the RSL of discharging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_DISCHARGE_LOW_RSL = 7,
+  // The coldest sensor against the MSL of discharging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_DISCHARGE_LOW_MSL = 8,
+  // The hottest sensor against the MOL of discharging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_DISCHARGE_HIGH_MOL = 9,
+  // The hottest sensor against the RSL of discharging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_DISCHARGE_HIGH_RSL = 10,
+  // The hottest sensor against the MSL of discharging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_DISCHARGE_HIGH_MSL = 11,
+  // The coldest sensor against the MOL of charging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_CHARGE_LOW_MOL = 12,
+  // The coldest sensor against the RSL of charging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_CHARGE_LOW_RSL = 13,
+  // The coldest sensor against the MSL of charging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_CHARGE_LOW_MSL = 14,
+  // The hottest sensor against the MOL of charging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_CHARGE_HIGH_MOL = 15,
+  // The hottest sensor against the RSL of charging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_CHARGE_HIGH_RSL = 16,
+  // The hottest sensor against the MSL of charging.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_CHARGE_HIGH_MSL = 17,
+  // The pack's current against the MOL of discharging.
+  VOLTSTEP_BMS_ROW_CURRENT_DISCHARGE_MOL = 18,
+  // The pack's current against the RSL of discharging.
+  VOLTSTEP_BMS_ROW_CURRENT_DISCHARGE_RSL = 19,
+  // The pack's current against the MSL of discharging.
+  VOLTSTEP_BMS_ROW_CURRENT_DISCHARGE_MSL = 20,
+  // The pack's current against the MOL of charging.
+  VOLTSTEP_BMS_ROW_CURRENT_CHARGE_MOL = 21,
+  // The pack's current against the RSL of charging.
+  VOLTSTEP_BMS_ROW_CURRENT_CHARGE_RSL = 22,
+  // The pack's current against the MSL of charging.
+  VOLTSTEP_BMS_ROW_CURRENT_CHARGE_MSL = 23,
+  // Twice the short-time current of discharging.
+  VOLTSTEP_BMS_ROW_SURGE_DISCHARGE = 24,
+  // Twice the short-time current of charging.
+  VOLTSTEP_BMS_ROW_SURGE_CHARGE = 25,
+  // Charge of squared current beyond the continuous one of discharging.
+  VOLTSTEP_BMS_ROW_HEAT_DISCHARGE = 26,
+  // Charge of squared current beyond the continuous one of charging.
+  VOLTSTEP_BMS_ROW_HEAT_CHARGE = 27,
+  // The pack's voltage is too low.
+  VOLTSTEP_BMS_ROW_PACK_VOLTAGE_LOW = 28,
+  // The pack's voltage is too high.
+  VOLTSTEP_BMS_ROW_PACK_VOLTAGE_HIGH = 29,
+  // No value of the cells' voltages, or an old one.
+  VOLTSTEP_BMS_ROW_STALE_CELL = 30,
+  // No value of temperatures, or an old one.
+  VOLTSTEP_BMS_ROW_STALE_TEMPERATURE = 31,
+  // No value of the current, or an old one.
+  VOLTSTEP_BMS_ROW_STALE_CURRENT = 32,
+  // No value of the pack's voltage, or an old one.
+  VOLTSTEP_BMS_ROW_STALE_PACK = 33,
+  // No value of the link's voltage, or an old one.
+  VOLTSTEP_BMS_ROW_STALE_LINK = 34,
+  // A value of the cells' voltages that the sensor cannot show.
+  VOLTSTEP_BMS_ROW_RANGE_CELL = 35,
+  // A value of temperatures that the sensor cannot show.
+  VOLTSTEP_BMS_ROW_RANGE_TEMPERATURE = 36,
+  // A value of the current that the sensor cannot show.
+  VOLTSTEP_BMS_ROW_RANGE_CURRENT = 37,
+  // A value of the pack's voltage that the sensor cannot show.
+  VOLTSTEP_BMS_ROW_RANGE_PACK = 38,
+  // A value of the link's voltage that the sensor cannot show.
+  VOLTSTEP_BMS_ROW_RANGE_LINK = 39,
+  // The contactor minus does not show what it was told.
+  VOLTSTEP_BMS_ROW_FEEDBACK_MINUS = 40,
+  // The contactor precharge does not show what it was told.
+  VOLTSTEP_BMS_ROW_FEEDBACK_PRECHARGE = 41,
+  // The contactor plus does not show what it was told.
+  VOLTSTEP_BMS_ROW_FEEDBACK_PLUS = 42,
+  // The contactor minus does not open.
+  VOLTSTEP_BMS_ROW_WELD_MINUS = 43,
+  // The contactor precharge does not open.
+  VOLTSTEP_BMS_ROW_WELD_PRECHARGE = 44,
+  // The contactor plus does not open.
+  VOLTSTEP_BMS_ROW_WELD_PLUS = 45,
+  // Precharge: current flows, the link does not rise.
+  VOLTSTEP_BMS_ROW_PRECHARGE_SHORT = 46,
+  // Precharge: no current flows.
+  VOLTSTEP_BMS_ROW_PRECHARGE_OPEN = 47,
+  // Precharge: the link rises too slowly.
+  VOLTSTEP_BMS_ROW_PRECHARGE_SLOW = 48,
+  // Precharge: the resistor is too warm for another try.
+  VOLTSTEP_BMS_ROW_PRECHARGE_HOT = 49,
+  // Resistance to the chassis against its MOL.
+  VOLTSTEP_BMS_ROW_INSULATION_MOL = 50,
+  // Resistance to the chassis against its RSL.
+  VOLTSTEP_BMS_ROW_INSULATION_RSL = 51,
+  // Resistance to the chassis against its MSL.
+  VOLTSTEP_BMS_ROW_INSULATION_MSL = 52,
+  // A cell so far down that it must not be charged again without a look.
+  VOLTSTEP_BMS_ROW_DEEP_DISCHARGE = 53,
+  // Current though every contactor is open.
+  VOLTSTEP_BMS_ROW_CURRENT_WHILE_OPEN = 54,
+  // The current sensor is near its end, or a comparator says so.
+  VOLTSTEP_BMS_ROW_SHORT_CIRCUIT = 55,
+  // The sum of the cells against the pack.
+  VOLTSTEP_BMS_ROW_CELL_SUM = 56,
+  // The link against the pack while both mains are closed.
+  VOLTSTEP_BMS_ROW_LINK_DIFFERS = 57,
+  // Two current sensors against each other.
+  VOLTSTEP_BMS_ROW_CURRENTS_DIFFER = 58,
+  // The mean cell against its model.
+  VOLTSTEP_BMS_ROW_RESIDUAL = 59,
+  // The front end counts other cells than there are.
+  VOLTSTEP_BMS_ROW_CELL_COUNT = 60,
+  // A cell that does not move when the current does.
+  VOLTSTEP_BMS_ROW_STUCK_CELL = 61,
+  // A temperature that does not move when the others do.
+  VOLTSTEP_BMS_ROW_STUCK_TEMPERATURE = 62,
+  // A current that does not move when the cells do.
+  VOLTSTEP_BMS_ROW_STUCK_CURRENT = 63,
+  // Highest less lowest cell.
+  VOLTSTEP_BMS_ROW_IMBALANCE = 64,
+  // Hottest less coldest sensor.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_SPREAD = 65,
+  // How fast the fastest sensor warms up.
+  VOLTSTEP_BMS_ROW_TEMPERATURE_RATE = 66,
+  // A wire between cells and front end.
+  VOLTSTEP_BMS_ROW_OPEN_WIRE = 67,
+  // A pin that drives or reads a contactor fails.
+  VOLTSTEP_BMS_ROW_PIN = 68,
+  // The link rises before it is precharged, or a contactor shows closed that is not driven.
+  VOLTSTEP_BMS_ROW_BYPASSED = 69,
+  // The loop through the connectors is open.
+  VOLTSTEP_BMS_ROW_INTERLOCK = 70,
+  // The vehicle reports a crash.
+  VOLTSTEP_BMS_ROW_CRASH = 71,
+  // The supply of the control unit is low.
+  VOLTSTEP_BMS_ROW_SUPPLY = 72,
+  // The coolant pump or level is not as it should be.
+  VOLTSTEP_BMS_ROW_COOLANT = 73,
+  // No valid request in time.
+  VOLTSTEP_BMS_ROW_REQUEST_LOST = 74,
+  // Requests whose checksum or counter is wrong.
+  VOLTSTEP_BMS_ROW_REQUEST_CORRUPT = 75,
+  // The charger is silent.
+  VOLTSTEP_BMS_ROW_CHARGER_LOST = 76,
+  // The time between two calls.
+  VOLTSTEP_BMS_ROW_LATE_STEP = 77,
+  // The record is damaged or cannot be written.
+  VOLTSTEP_BMS_ROW_RECORD = 78,
+  // The parameters are not those that were checked.
+  VOLTSTEP_BMS_ROW_PARAMETERS = 79,
+  // The log cannot be written.
+  VOLTSTEP_BMS_ROW_LOG_STORE = 80,
+  // The estimator says that it is lost.
+  VOLTSTEP_BMS_ROW_ESTIMATOR = 81,
+  // A bleed switch does not do what it was told.
+  VOLTSTEP_BMS_ROW_BLEED_STUCK = 82,
+  // The balancing board is hot.
+  VOLTSTEP_BMS_ROW_BLEED_HOT = 83,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsRow VoltstepBmsRow;
+#else
+typedef uint32_t VoltstepBmsRow;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Where the contactors are in their order.
+enum VoltstepBmsPhase
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // After a reset: nothing is known yet.
+  VOLTSTEP_BMS_PHASE_START = 0,
+  // All open, ready.
+  VOLTSTEP_BMS_PHASE_STANDBY = 1,
+  // The main contactor at the negative pole closes.
+  VOLTSTEP_BMS_PHASE_CLOSE_MINUS = 2,
+  // The link is charged through the resistor.
+  VOLTSTEP_BMS_PHASE_PRECHARGE = 3,
+  // The main contactor at the positive pole closes.
+  VOLTSTEP_BMS_PHASE_CLOSE_PLUS = 4,
+  // The precharge contactor opens.
+  VOLTSTEP_BMS_PHASE_OPEN_PRECHARGE = 5,
+  // Both mains are closed.
+  VOLTSTEP_BMS_PHASE_CLOSED = 6,
+  // Both are closed still, and no power is allowed.
+  VOLTSTEP_BMS_PHASE_SHED = 7,
+  // The main contactor at the positive pole opens.
+  VOLTSTEP_BMS_PHASE_OPEN_FIRST = 8,
+  // All open.
+  VOLTSTEP_BMS_PHASE_OPEN_SECOND = 9,
+  // All should be open: are they?
+  VOLTSTEP_BMS_PHASE_WELD_CHECK = 10,
+  // A pause before the next try.
+  VOLTSTEP_BMS_PHASE_COOLDOWN = 11,
+  // All open, until somebody clears it.
+  VOLTSTEP_BMS_PHASE_FAULT = 12,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsPhase VoltstepBmsPhase;
+#else
+typedef uint32_t VoltstepBmsPhase;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Why the contactors opened, or may not close.
+enum VoltstepBmsCause
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Nothing, or the request ended.
+  VOLTSTEP_BMS_CAUSE_NONE = 0,
+  // A trip that let the power be taken back first.
+  VOLTSTEP_BMS_CAUSE_SOFT = 1,
+  // A trip at a safety limit.
+  VOLTSTEP_BMS_CAUSE_HARD = 2,
+  // A crash.
+  VOLTSTEP_BMS_CAUSE_CRASH = 3,
+  // Data went missing while closing, or never came.
+  VOLTSTEP_BMS_CAUSE_LOST = 4,
+  // Minus does not show closed.
+  VOLTSTEP_BMS_CAUSE_MINUS_STUCK_OPEN = 5,
+  // Plus does not show closed.
+  VOLTSTEP_BMS_CAUSE_PLUS_STUCK_OPEN = 6,
+  // Precharge does not show closed.
+  VOLTSTEP_BMS_CAUSE_PRECHARGE_STUCK_OPEN = 7,
+  // Precharge does not show open.
+  VOLTSTEP_BMS_CAUSE_PRECHARGE_STUCK_CLOSED = 8,
+  // Current flows, the link stays down.
+  VOLTSTEP_BMS_CAUSE_PRECHARGE_SHORT = 9,
+  // No current flows into the link.
+  VOLTSTEP_BMS_CAUSE_PRECHARGE_OPEN = 10,
+  // The link rises too slowly.
+  VOLTSTEP_BMS_CAUSE_PRECHARGE_SLOW = 11,
+  // The link rises, or a contactor shows closed, before its turn.
+  VOLTSTEP_BMS_CAUSE_BYPASSED = 12,
+  // A main that was closed shows open.
+  VOLTSTEP_BMS_CAUSE_DROPPED = 13,
+  // One shows closed that should be open.
+  VOLTSTEP_BMS_CAUSE_WELDED = 14,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsCause VoltstepBmsCause;
+#else
+typedef uint32_t VoltstepBmsCause;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is done of what is asked for.
+enum VoltstepBmsMode
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Open.
+  VOLTSTEP_BMS_MODE_OFF = 0,
+  // Closed to drive.
+  VOLTSTEP_BMS_MODE_DRIVE = 1,
+  // Closed to charge.
+  VOLTSTEP_BMS_MODE_CHARGE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsMode VoltstepBmsMode;
+#else
+typedef uint32_t VoltstepBmsMode;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What the rows tell the contactors.
+enum VoltstepBmsTrip
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Nothing: go on.
+  VOLTSTEP_BMS_TRIP_NONE = 0,
+  // Power is taken back over seconds, then they open.
+  VOLTSTEP_BMS_TRIP_SOFT = 1,
+  // They open after a short wait for the current.
+  VOLTSTEP_BMS_TRIP_HARD = 2,
+  // They open at once.
+  VOLTSTEP_BMS_TRIP_CRASH = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsTrip VoltstepBmsTrip;
+#else
+typedef uint32_t VoltstepBmsTrip;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Why not more may be drawn or fed.
+enum VoltstepBmsLimited
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // By what the cells allow.
+  VOLTSTEP_BMS_LIMITED_CELLS = 0,
+  // By the largest current of the pack.
+  VOLTSTEP_BMS_LIMITED_PACK = 1,
+  // A row takes back power.
+  VOLTSTEP_BMS_LIMITED_DERATED = 2,
+  // A safety limit of this direction is broken.
+  VOLTSTEP_BMS_LIMITED_BARRED = 3,
+  // Too cold to charge.
+  VOLTSTEP_BMS_LIMITED_COLD = 4,
+  // What the cells allow, or how warm they are, is not known.
+  VOLTSTEP_BMS_LIMITED_UNKNOWN = 5,
+  // The contactors are about to open.
+  VOLTSTEP_BMS_LIMITED_ENDING = 6,
+  // The contactors are not closed.
+  VOLTSTEP_BMS_LIMITED_OPEN = 7,
+  // It is still on its way from another limit.
+  VOLTSTEP_BMS_LIMITED_RATE = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoltstepBmsLimited VoltstepBmsLimited;
+#else
+typedef uint32_t VoltstepBmsLimited;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Voltages of a cell in V, rising.
+typedef struct VoltstepBmsVoltages {
+  // Below this, not to be charged again without a look at the cell; above zero.
+  float deep_v;
+  // The absolute minimum of the data sheet.
+  float absolute_min_v;
+  // Where discharging ends.
+  float operating_min_v;
+  // Where charging ends.
+  float operating_max_v;
+  // The absolute maximum of the data sheet.
+  float absolute_max_v;
+} VoltstepBmsVoltages;
+
+// Currents of a cell in one direction in A.
+typedef struct VoltstepBmsCurrents {
+  // Continuous; above zero.
+  float continuous_a;
+  // For ten seconds; above the continuous one.
+  float ten_seconds_a;
+} VoltstepBmsCurrents;
+
+// The share of the largest current at a temperature: none outside, all within, a line in between.
+// In degC, each not below the one before.
+typedef struct VoltstepTemperatureWindow {
+  // None below.
+  float none_below_c;
+  // All from here on.
+  float all_from_c;
+  // All up to here.
+  float all_to_c;
+  // None above.
+  float none_above_c;
+} VoltstepTemperatureWindow;
+
+// A cell in the terms of its data sheet.
+typedef struct VoltstepBmsCellSheet {
+  // Its voltages.
+  struct VoltstepBmsVoltages voltage;
+  // Its currents when discharging.
+  struct VoltstepBmsCurrents discharge;
+  // Its currents when charging.
+  struct VoltstepBmsCurrents charge;
+  // Temperatures at which it may be discharged, each above the one before; `none_below_c` and
+  // `none_above_c` are the absolute limits, the others those of operation.
+  struct VoltstepTemperatureWindow discharge_window;
+  // Temperatures at which it may be charged, likewise.
+  struct VoltstepTemperatureWindow charge_window;
+  // Capacity in A h; above zero.
+  float capacity_ah;
+  // The largest resistance within its life and its windows in ohm; above zero.
+  float resistance_ohm;
+  // Heat capacity in J/K; above zero.
+  float heat_capacity_j_per_k;
+} VoltstepBmsCellSheet;
+
+// How many cells.
+typedef struct VoltstepBmsLayout {
+  // In series: the number that the library is built for.
+  uint16_t series;
+  // In parallel; at least 1.
+  uint16_t parallel;
+} VoltstepBmsLayout;
+
+// A kind of sensor; its unit is that of the quantity.
+typedef struct VoltstepBmsSensor {
+  // How far a value may be off, offset and gain together; zero or above.
+  float error;
+  // Standard deviation of its noise; zero or above.
+  float noise_sd;
+  // What one step of its converter means; above zero.
+  float resolution;
+  // Time between two values in s; above zero.
+  float period_s;
+  // The lowest value that it can show.
+  float lowest;
+  // The highest value that it can show, above the lowest. What lies outside is no value but a
+  // sentinel, or in another unit.
+  float highest;
+} VoltstepBmsSensor;
+
+// The sensors.
+typedef struct VoltstepBmsSensing {
+  // Of the cells' voltages in V.
+  struct VoltstepBmsSensor cell_v;
+  // Of temperatures in degC.
+  struct VoltstepBmsSensor temperature_c;
+  // Of the pack's current in A.
+  struct VoltstepBmsSensor current_a;
+  // Of the pack's voltage in V.
+  struct VoltstepBmsSensor pack_v;
+  // Of the voltage behind the contactors in V.
+  struct VoltstepBmsSensor link_v;
+} VoltstepBmsSensing;
+
+// What opens the circuit.
+typedef struct VoltstepBmsActuators {
+  // From the command until the contactor is open in s; above zero.
+  float open_s;
+  // How long an opening for safety waits for a smaller current in s; zero or above.
+  float wait_s;
+  // The largest current that a contactor breaks without harm in A; above zero.
+  float break_a;
+} VoltstepBmsActuators;
+
+// All that the rows of protection are derived from.
+typedef struct VoltstepBmsSheet {
+  // One cell.
+  struct VoltstepBmsCellSheet cell;
+  // How many of them.
+  struct VoltstepBmsLayout layout;
+  // What measures them.
+  struct VoltstepBmsSensing sensing;
+  // What protects them.
+  struct VoltstepBmsActuators actuators;
+  // Time between two calls in s, 0.0001..0.005.
+  float tick_s;
+  // Calls in which every cell and every temperature is looked at once; at least 1, together at most
+  // 25 ms.
+  uint16_t sweep_ticks;
+} VoltstepBmsSheet;
+
+// A resistance over state of charge and temperature:
+// `ohm(soc) * exp(activation_k * (1/T - 1/298.15 K))`.
+typedef struct VoltstepResistanceMap {
+  // At 25 degC and state of charge i/64, in ohm; zero or above.
+  float ohm[VOLTSTEP_SOC_POINTS];
+  // Activation temperature in K, 0..20000; 0 for no dependence on temperature.
+  float activation_k;
+} VoltstepResistanceMap;
+
+// A cell, or a pack as one: resistances over state of charge and temperature, two RC branches,
+// hysteresis, a thermal node.
+typedef struct VoltstepCellParams {
+  // Charge between state of charge 0 and 1, in A h; above zero.
+  float capacity_ah;
+  // Largest discharge current in A; above zero, infinity for none.
+  float discharge_limit_a;
+  // Largest charge current in A; above zero, infinity for none.
+  float charge_limit_a;
+  // How often resistances follow state of charge and temperature, in s; above zero.
+  float refresh_s;
+  // Open-circuit voltage at state of charge i/64, in V; zero or above, must not fall.
+  float open_circuit_v[VOLTSTEP_SOC_POINTS];
+  // Half the gap between the curves of charge and discharge, in V; zero or above.
+  float hysteresis_half_gap_v;
+  // How fast a change of the state of charge moves from one curve to the other, a ratio; zero or
+  // above.
+  float hysteresis_rate_per_soc;
+  // Series resistance.
+  struct VoltstepResistanceMap series;
+  // Resistance of the faster RC branch.
+  struct VoltstepResistanceMap polarisation;
+  // Its time constant in s; above zero.
+  float polarisation_time_constant_s;
+  // Resistance of the slower RC branch; zeros for no such branch.
+  struct VoltstepResistanceMap second_polarisation;
+  // Its time constant in s; above zero.
+  float second_polarisation_time_constant_s;
+  // Heat capacity in J/K; above zero, infinity: the temperature stays as it is.
+  float heat_capacity_j_per_k;
+  // Cooling to the surroundings in W/K; zero or above.
+  float cooling_w_per_k;
+  // Temperature of the surroundings in degC, -100..200.
+  float ambient_c;
+  // Lowest state of charge at which all this was identified, a ratio 0..1.
+  float identified_soc_min;
+  // Highest such state of charge, above the lowest, up to 1.
+  float identified_soc_max;
+  // Lowest temperature at which all this was identified, in degC, -100..200.
+  float identified_temperature_min_c;
+  // Highest such temperature in degC, not below the lowest, up to 200.
+  float identified_temperature_max_c;
+} VoltstepCellParams;
+
+// How alike the cells are.
+typedef struct VoltstepBmsAlike {
+  // Series resistance of a new cell at 25 degC in ohm; above zero.
+  float resistance_ohm;
+  // Standard deviation of the cells' resistances, a ratio; above zero.
+  float resistance_sd;
+  // Standard deviation of their capacities, a ratio 0..1.
+  float capacity_sd;
+  // Standard deviation of their states of charge at the start, a ratio; above 0, up to 1.
+  float soc_sd;
+  // How far one wanders from the others in a day, as a state of charge, 0..1.
+  float drift_sd_per_day;
+} VoltstepBmsAlike;
+
+// Precharge of the link.
+typedef struct VoltstepBmsPrecharge {
+  // Resistor in ohm; above zero.
+  float resistor_ohm;
+  // Capacitance of the link in F; above zero; with the resistor two steps at least.
+  float link_f;
+  // By what factor the time constant may be off; above 1.
+  float tau_factor;
+  // Noise of the voltage difference between pack and link in V; zero or above.
+  float noise_v;
+  // Noise of the current in A; zero or above.
+  float noise_a;
+  // The link is charged when it lacks no more than this, in V; above zero.
+  float done_v;
+  // Samples in a row before any verdict, 2..100.
+  uint8_t count;
+  // From the feedback until current flows, bouncing included, in s; zero or above.
+  float lag_s;
+  // What the resistor may take up at once in J; above zero.
+  float budget_j;
+  // What a precharge into a short costs until it is told in J; below the budget.
+  float short_j;
+  // Time constant with which it cools down in s; above zero.
+  float cooling_s;
+} VoltstepBmsPrecharge;
+
+// How long the contactors may take.
+typedef struct VoltstepBmsContactors {
+  // Until everything was seen after a reset in s; above zero.
+  float start_limit_s;
+  // With minus closed alone, to see whether the link rises, in s; above zero.
+  float settle_s;
+  // Until a contactor shows closed in s; above `settle_s`.
+  float close_limit_s;
+  // Until the link is charged in s; above zero.
+  float precharge_limit_s;
+  // Until a contactor shows open in s; above zero.
+  float open_limit_s;
+  // For a current that can be broken, where there is time, in s; at least `hard_limit_s`.
+  float shed_limit_s;
+  // For such a current at a safety limit in s; above zero.
+  float hard_limit_s;
+  // For the link to fall in s; above zero.
+  float weld_limit_s;
+  // Before the next try in s; above zero.
+  float cooldown_s;
+  // Tries of a precharge that are allowed to fail while one request stands, 1..10.
+  uint8_t tries;
+} VoltstepBmsContactors;
+
+// What bleeds cells.
+typedef struct VoltstepBmsBalancing {
+  // Resistor across a cell in ohm; above zero.
+  float bleed_ohm;
+  // The most channels at once; at least 1.
+  uint16_t channels;
+  // No bleeding with the board warmer than this, in degC.
+  float board_max_c;
+} VoltstepBmsBalancing;
+
+// All that a BMS is made from. Start from `voltstep_bms_params_typical`.
+typedef struct VoltstepBmsParams {
+  // `VOLTSTEP_ABI`.
+  uint32_t abi;
+  // Temperatures: the number that the library is built for.
+  uint32_t sensors;
+  // Cell, layout, sensors and contactors, in the terms of their data sheets.
+  struct VoltstepBmsSheet sheet;
+  // The map of one cell, as `voltstep identify battery` finds it.
+  struct VoltstepCellParams cell;
+  // How alike the cells are.
+  struct VoltstepBmsAlike alike;
+  // Standard deviation of the pack's current sensor's offset in A; zero or above.
+  float current_offset_sd_a;
+  // Standard deviation of its gain, a ratio 0..1.
+  float current_gain_sd;
+  // How late voltages may be for the current in s; zero or above.
+  float skew_s;
+  // Time between two samples of the filter in s, 0.05..0.25, a whole part of a second and a whole
+  // number of ticks.
+  float sample_s;
+  // What counts as a rest in s; above zero.
+  float rest_s;
+  // What counts as empty, a ratio 0..1.
+  float empty_soc;
+  // Precharge of the link.
+  struct VoltstepBmsPrecharge precharge;
+  // How long contactors may take.
+  struct VoltstepBmsContactors contactors;
+  // What bleeds cells.
+  struct VoltstepBmsBalancing balancing;
+} VoltstepBmsParams;
+
+// A whole BMS, derived from its description. Opaque: set it up by `voltstep_bms_init` where it
+// stays, a copy is refused; from then on it is only read. Sets of rows are 128 bits, which some
+// machines want aligned.
+typedef struct VOLTSTEP_ALIGNED(16) VoltstepBms {
   // Not for reading.
-  uint64_t opaque[VOLTSTEP_COUNTER_STATE_WORDS];
-} VoltstepCounterState;
+  uint64_t opaque[VOLTSTEP_BMS_WORDS];
+} VoltstepBms;
+
+// What a BMS remembers. Opaque: set it up by `voltstep_bms_start`. A snapshot is a copy.
+typedef struct VOLTSTEP_ALIGNED(16) VoltstepBmsState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_BMS_STATE_WORDS];
+} VoltstepBmsState;
 
 // What is worth knowing after a power cut.
 typedef struct VoltstepRecord {
@@ -850,6 +1592,218 @@ typedef struct VoltstepRecord {
   // Sequence number of the newest entry of the product's log.
   uint32_t log_sequence;
 } VoltstepRecord;
+
+// What vehicle and charger ask for.
+typedef struct VoltstepBmsRequest {
+  // One of `VoltstepBmsWish`; another number is not understood, and opens.
+  uint32_t vehicle;
+  // The charger's, likewise.
+  uint32_t charger;
+  // One of `VoltstepBmsClear` (another number: none); each wish counts once.
+  uint32_t clear;
+  // What is wrong with their messages, a bit for each of `VoltstepBmsRow`, row k in word k/32.
+  uint32_t flags[3];
+} VoltstepBmsRequest;
+
+// What the hardware knows in a tick. Values that are not new keep what they were and grow older; one
+// that could not be trusted is given as new and not a number. Beyond the cells and temperatures that
+// the library is built for nothing is read.
+typedef struct VoltstepBmsInputs {
+  // Time since the first power-up in us, sleep included; it never goes back.
+  uint64_t uptime_us;
+  // Other than 0: `cell_v` is new.
+  uint32_t cells_new;
+  // Voltage of each cell in V.
+  float cell_v[VOLTSTEP_BMS_CELLS_MAX];
+  // Other than 0: `temperature_c` is new.
+  uint32_t temperatures_new;
+  // Temperatures in degC.
+  float temperature_c[VOLTSTEP_BMS_SENSORS_MAX];
+  // Other than 0: `current_a` is new.
+  uint32_t current_new;
+  // Current of the pack in A, positive when discharging.
+  float current_a;
+  // Other than 0: `pack_v` is new.
+  uint32_t pack_new;
+  // Voltage of the cells together, before the contactors, in V.
+  float pack_v;
+  // Other than 0: `link_v` is new.
+  uint32_t link_new;
+  // Voltage behind the contactors in V.
+  float link_v;
+  // What the contactors show, each one of `VoltstepBmsFeedback` (another number: unknown): minus,
+  // precharge, plus.
+  uint32_t feedback[3];
+  // Other than 0: a pin failed when the contactors were last driven.
+  uint32_t pin_failed;
+  // What the hardware finds bad by itself, a bit for each of `VoltstepBmsRow`, row k in word k/32:
+  // interlock, crash, supply, coolant, a comparator of a short circuit, memory.
+  uint32_t flags[3];
+  // A second current sensor in A; NaN where there is none.
+  float second_current_a;
+  // Other than 0: a device watches the insulation.
+  uint32_t insulation_watched;
+  // Insulation to the chassis in ohm/V; NaN where the device is silent.
+  float insulation_ohm_per_v;
+  // How many cells the front end found; 0 where it does not count.
+  uint16_t cells_found;
+  // Other than 0: the wires were tested, `wires_v` is set.
+  uint32_t wires_tested;
+  // How far each wire moves under the front end's test current in V: one more than cells.
+  float wires_v[VOLTSTEP_BMS_WIRES_MAX];
+  // Temperature of the balancing board in degC.
+  float balancing_c;
+} VoltstepBmsInputs;
+
+// What the hardware is told.
+typedef struct VoltstepBmsOutputs {
+  // Close the main contactor at the negative pole.
+  bool minus;
+  // Close the precharge contactor.
+  bool precharge;
+  // Close the main contactor at the positive pole.
+  bool plus;
+  // Bleed each of these cells.
+  bool bleed[VOLTSTEP_BMS_CELLS_MAX];
+} VoltstepBmsOutputs;
+
+// How a cell differs from the one that its parameters describe.
+typedef struct VoltstepHealth {
+  // Charge between state of charge 0 and 1, in A h.
+  float capacity_ah;
+  // Its standard deviation in A h.
+  float capacity_sd_ah;
+  // Every resistance is larger by this factor.
+  float resistance_factor;
+  // Its standard deviation.
+  float resistance_factor_sd;
+} VoltstepHealth;
+
+// What is left until empty, at the average power of the last minute where it is discharged, else at
+// that of a five-hour discharge.
+typedef struct VoltstepEnergyReport {
+  // Charge left in A h.
+  float remaining_capacity_ah;
+  // Energy left at the terminals in W h.
+  float remaining_energy_wh;
+  // Its standard deviation in W h.
+  float remaining_energy_sd_wh;
+  // Charge from full until empty in A h.
+  float full_charge_capacity_ah;
+  // Energy from full until empty in W h.
+  float full_charge_energy_wh;
+  // Remaining over full-charge capacity, a ratio 0..1.
+  float relative_state_of_charge;
+  // Remaining capacity over that of the cell when new, a ratio that may exceed 1.
+  float absolute_state_of_charge;
+  // Remaining over full-charge energy, a ratio 0..1.
+  float state_of_energy;
+  // Time until empty in s; NaN where it is not discharged.
+  float average_time_to_empty_s;
+  // Time until full in s; NaN where it is not charged.
+  float average_time_to_full_s;
+} VoltstepEnergyReport;
+
+// How far several readings of one quantity lie apart; NaN where none is usable.
+typedef struct VoltstepBmsSpread {
+  // The lowest.
+  float min;
+  // The mean.
+  float mean;
+  // The highest.
+  float max;
+  // Which reading is the lowest; the first where several are.
+  uint32_t min_index;
+  // Which reading is the highest; the first where several are.
+  uint32_t max_index;
+  // How many are usable.
+  uint32_t usable;
+} VoltstepBmsSpread;
+
+// What a BMS knows. Charge, energy and currents are those of the pack.
+typedef struct VoltstepBmsReport {
+  // State of charge, a ratio 0..1.
+  float soc;
+  // Its standard deviation, a ratio.
+  float soc_sd;
+  // It comes from counting alone, which knows better than the filter, or the filter contradicts
+  // itself.
+  bool soc_counted;
+  // The filter's standard deviation is small enough to count as known.
+  bool converged;
+  // The model's error, and the mean residual beside it, are of the size that is expected.
+  bool consistent;
+  // The open-circuit curve is flat here: the voltage does not correct.
+  bool flat;
+  // State of charge or temperature lie outside the identified range.
+  bool outside_identified;
+  // The temperature is not known; the last one holds.
+  bool temperature_missing;
+  // Lowest state of charge of a cell, a ratio 0..1.
+  float soc_min;
+  // Mean of the cells' states of charge, a ratio 0..1.
+  float soc_mean;
+  // Highest state of charge of a cell, a ratio 0..1.
+  float soc_max;
+  // Which cell has the lowest.
+  uint32_t soc_min_index;
+  // Which cell has the highest.
+  uint32_t soc_max_index;
+  // Capacity of the pack in A h.
+  float capacity_ah;
+  // Health of the mean cell.
+  struct VoltstepHealth health;
+  // Energy and time left of the pack; NaN in the first second.
+  struct VoltstepEnergyReport energy;
+  // What may be drawn in A; zero or above.
+  float discharge_limit_a;
+  // Why not more: one of `VoltstepBmsLimited`.
+  uint32_t discharge_limited;
+  // What may be fed in A; zero or above.
+  float charge_limit_a;
+  // Why not more: one of `VoltstepBmsLimited`.
+  uint32_t charge_limited;
+  // Voltages of the cells in V.
+  struct VoltstepBmsSpread cell_v;
+  // Temperatures in degC.
+  struct VoltstepBmsSpread temperature_c;
+  // Current in A, positive when discharging; NaN where it is not known.
+  float current_a;
+  // Voltage of the pack in V; NaN where it is not known.
+  float pack_v;
+  // Voltage behind the contactors in V; NaN where it is not known.
+  float link_v;
+  // What is done of what is asked for: one of `VoltstepBmsMode`.
+  uint32_t mode;
+  // Where the contactors are: one of `VoltstepBmsPhase`.
+  uint32_t phase;
+  // Why they opened, or may not close: one of `VoltstepBmsCause`.
+  uint32_t cause;
+  // What the rows tell the contactors: one of `VoltstepBmsTrip`.
+  uint32_t trip;
+  // Everything was seen, and nothing that forbids to close has tripped or is latched.
+  bool permit;
+  // Rows that have tripped and not healed, a bit for each of `VoltstepBmsRow`, row k in word k/32.
+  uint32_t tripped[3];
+  // Rows that stay until somebody ends them, likewise.
+  uint32_t latched[3];
+  // Charge that went through the pack over its life in A h.
+  float throughput_ah;
+} VoltstepBmsReport;
+
+// Every estimator of a cell, checked and discretised for the time between two samples. Opaque: set
+// it up by `voltstep_estimators_init` where it stays, a copy is refused; from then on it is only
+// read, so any number of states may share it.
+typedef struct VoltstepEstimators {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_ESTIMATORS_WORDS];
+} VoltstepEstimators;
+
+// What the coulomb counter remembers. Opaque; a snapshot is a copy.
+typedef struct VoltstepCounterState {
+  // Not for reading.
+  uint64_t opaque[VOLTSTEP_COUNTER_STATE_WORDS];
+} VoltstepCounterState;
 
 // What the coulomb counter says.
 typedef struct VoltstepCounterOutputs {
@@ -918,71 +1872,6 @@ typedef struct VoltstepFilterOutputs {
   // Current or voltage was missing or absurd: the estimate is held, its uncertainty grows.
   bool rejected;
 } VoltstepFilterOutputs;
-
-// How a cell differs from the one that its parameters describe.
-typedef struct VoltstepHealth {
-  // Charge between state of charge 0 and 1, in A h.
-  float capacity_ah;
-  // Its standard deviation in A h.
-  float capacity_sd_ah;
-  // Every resistance is larger by this factor.
-  float resistance_factor;
-  // Its standard deviation.
-  float resistance_factor_sd;
-} VoltstepHealth;
-
-// A resistance over state of charge and temperature:
-// `ohm(soc) * exp(activation_k * (1/T - 1/298.15 K))`.
-typedef struct VoltstepResistanceMap {
-  // At 25 degC and state of charge i/64, in ohm; zero or above.
-  float ohm[VOLTSTEP_SOC_POINTS];
-  // Activation temperature in K, 0..20000; 0 for no dependence on temperature.
-  float activation_k;
-} VoltstepResistanceMap;
-
-// A cell, or a pack as one: resistances over state of charge and temperature, two RC branches,
-// hysteresis, a thermal node.
-typedef struct VoltstepCellParams {
-  // Charge between state of charge 0 and 1, in A h; above zero.
-  float capacity_ah;
-  // Largest discharge current in A; above zero, infinity for none.
-  float discharge_limit_a;
-  // Largest charge current in A; above zero, infinity for none.
-  float charge_limit_a;
-  // How often resistances follow state of charge and temperature, in s; above zero.
-  float refresh_s;
-  // Open-circuit voltage at state of charge i/64, in V; zero or above, must not fall.
-  float open_circuit_v[VOLTSTEP_SOC_POINTS];
-  // Half the gap between the curves of charge and discharge, in V; zero or above.
-  float hysteresis_half_gap_v;
-  // How fast a change of the state of charge moves from one curve to the other, a ratio; zero or
-  // above.
-  float hysteresis_rate_per_soc;
-  // Series resistance.
-  struct VoltstepResistanceMap series;
-  // Resistance of the faster RC branch.
-  struct VoltstepResistanceMap polarisation;
-  // Its time constant in s; above zero.
-  float polarisation_time_constant_s;
-  // Resistance of the slower RC branch; zeros for no such branch.
-  struct VoltstepResistanceMap second_polarisation;
-  // Its time constant in s; above zero.
-  float second_polarisation_time_constant_s;
-  // Heat capacity in J/K; above zero, infinity: the temperature stays as it is.
-  float heat_capacity_j_per_k;
-  // Cooling to the surroundings in W/K; zero or above.
-  float cooling_w_per_k;
-  // Temperature of the surroundings in degC, -100..200.
-  float ambient_c;
-  // Lowest state of charge at which all this was identified, a ratio 0..1.
-  float identified_soc_min;
-  // Highest such state of charge, above the lowest, up to 1.
-  float identified_soc_max;
-  // Lowest temperature at which all this was identified, in degC, -100..200.
-  float identified_temperature_min_c;
-  // Highest such temperature in degC, not below the lowest, up to 200.
-  float identified_temperature_max_c;
-} VoltstepCellParams;
 
 // The filter: how well cell and sensors are known, as standard deviations of what stays wrong, not
 // of noise.
@@ -1110,19 +1999,6 @@ typedef struct VoltstepCapacityParams {
   // How many pairs of rests are remembered; above 1.
   float memory_pairs;
 } VoltstepCapacityParams;
-
-// The share of the largest current at a temperature: none outside, all within, a line in between.
-// In degC, each not below the one before.
-typedef struct VoltstepTemperatureWindow {
-  // None below.
-  float none_below_c;
-  // All from here on.
-  float all_from_c;
-  // All up to here.
-  float all_to_c;
-  // None above.
-  float none_above_c;
-} VoltstepTemperatureWindow;
 
 // The limits that the state of power keeps, beside the cell's largest currents.
 typedef struct VoltstepPowerParams {
@@ -1267,31 +2143,6 @@ typedef struct VoltstepEnergyState {
   // Not for reading.
   uint64_t opaque[VOLTSTEP_ENERGY_STATE_WORDS];
 } VoltstepEnergyState;
-
-// What is left until empty, at the average power of the last minute where it is discharged, else at
-// that of a five-hour discharge.
-typedef struct VoltstepEnergyReport {
-  // Charge left in A h.
-  float remaining_capacity_ah;
-  // Energy left at the terminals in W h.
-  float remaining_energy_wh;
-  // Its standard deviation in W h.
-  float remaining_energy_sd_wh;
-  // Charge from full until empty in A h.
-  float full_charge_capacity_ah;
-  // Energy from full until empty in W h.
-  float full_charge_energy_wh;
-  // Remaining over full-charge capacity, a ratio 0..1.
-  float relative_state_of_charge;
-  // Remaining capacity over that of the cell when new, a ratio that may exceed 1.
-  float absolute_state_of_charge;
-  // Remaining over full-charge energy, a ratio 0..1.
-  float state_of_energy;
-  // Time until empty in s; NaN where it is not discharged.
-  float average_time_to_empty_s;
-  // Time until full in s; NaN where it is not charged.
-  float average_time_to_full_s;
-} VoltstepEnergyReport;
 
 // What two slots hold.
 typedef struct VoltstepStored {
@@ -1721,6 +2572,128 @@ typedef struct VoltstepSnapshot {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+// Fills `sheet` with a pack of 14 groups of 20 cells of the size 21700: for examples. Take the
+// figures of your own data sheets.
+//
+// # Safety
+// `sheet` is null, or points to memory of its type that may be written.
+VoltstepStatus voltstep_bms_sheet_example(struct VoltstepBmsSheet *sheet);
+
+// Fills `params` with what fits a pack with sensors and contactors of a production car, and a link
+// that `precharge_ohm` charges in some 0.2 s: from the data sheets and the map of a cell, for the
+// numbers of cells and temperatures that the library is built for. Each field can be set on its own.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `sheet` and `cell` are set.
+VoltstepStatus voltstep_bms_params_typical(const struct VoltstepBmsSheet *sheet,
+                                           const struct VoltstepCellParams *cell,
+                                           float precharge_ohm,
+                                           struct VoltstepBmsParams *params);
+
+// Checks `params` and derives the whole BMS from them. A field that is refused has a code of its own
+// where the estimators have it, too, else `VOLTSTEP_STATUS_PARAMETER`; its words are in `*refused`,
+// a static text, null where nothing is refused; `refused` itself may be null. After a refusal `bms`
+// is not initialised. The object has to stay where it is: a copy of it is refused by
+// `VOLTSTEP_STATUS_BMS_MOVED`. It takes some 26 kB of stack, once.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `params` is set.
+VoltstepStatus voltstep_bms_init(struct VoltstepBms *bms,
+                                 const struct VoltstepBmsParams *params,
+                                 const char **refused);
+
+// After a reset: from what was recorded, null: nothing is known of the charge, and the product's
+// clock in s, where `timed` is other than 0, at a first temperature in degC (-100..200). Everything
+// is open, nothing is asked for. It takes some 10 kB of stack, a tick 2.
+//
+// # Safety
+// Each pointer is null or points to an object of its type; `record` is set.
+VoltstepStatus voltstep_bms_start(const struct VoltstepBms *bms,
+                                  struct VoltstepBmsState *state,
+                                  const struct VoltstepRecord *record,
+                                  uint32_t timed,
+                                  uint32_t now_s,
+                                  float temperature_c);
+
+// Says what is asked for, from now on.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `request` is set.
+VoltstepStatus voltstep_bms_request(const struct VoltstepBms *bms,
+                                    struct VoltstepBmsState *state,
+                                    const struct VoltstepBmsRequest *request);
+
+// All of it in the order of a single loop, once every `sheet.tick_s`: `voltstep_bms_fast`, then
+// either a sample or a slice. `outputs` is what the hardware is told from now on.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call;
+// `inputs` is set.
+VoltstepStatus voltstep_bms_tick(const struct VoltstepBms *bms,
+                                 struct VoltstepBmsState *state,
+                                 const struct VoltstepBmsInputs *inputs,
+                                 struct VoltstepBmsOutputs *outputs);
+
+// Reads, judges every row, moves the contactors: every `sheet.tick_s`. Waits for nothing.
+//
+// # Safety
+// As for `voltstep_bms_tick`.
+VoltstepStatus voltstep_bms_fast(const struct VoltstepBms *bms,
+                                 struct VoltstepBmsState *state,
+                                 const struct VoltstepBmsInputs *inputs,
+                                 struct VoltstepBmsOutputs *outputs);
+
+// One sample of the estimators, every `sample_s`: limits follow, and the bleed switches. Of the
+// inputs only `balancing_c` is read.
+//
+// # Safety
+// As for `voltstep_bms_tick`.
+VoltstepStatus voltstep_bms_filter(const struct VoltstepBms *bms,
+                                   struct VoltstepBmsState *state,
+                                   const struct VoltstepBmsInputs *inputs,
+                                   struct VoltstepBmsOutputs *outputs);
+
+// One slice of what is worked out once a second, some 23 times a second, when there is time. `left`
+// may be null; it says whether there is more to do in this second.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call.
+VoltstepStatus voltstep_bms_slow(const struct VoltstepBms *bms,
+                                 struct VoltstepBmsState *state,
+                                 bool *left);
+
+// What is known now.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else writes during the call.
+VoltstepStatus voltstep_bms_report(const struct VoltstepBms *bms,
+                                   const struct VoltstepBmsState *state,
+                                   struct VoltstepBmsReport *report);
+
+// What should be stored now (`voltstep_record_encode`), where it is worth a write: `worth` says so,
+// and `record` is written only then, which counts as stored. Ask after every tick. `now_s` is the
+// product's clock, where `timed` is other than 0.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else uses during the call.
+VoltstepStatus voltstep_bms_record(const struct VoltstepBms *bms,
+                                   struct VoltstepBmsState *state,
+                                   uint32_t timed,
+                                   uint32_t now_s,
+                                   struct VoltstepRecord *record,
+                                   bool *worth);
+
+// All that a record holds, before the power goes.
+//
+// # Safety
+// Each pointer is null or points to an object of its type that nobody else writes during the call.
+VoltstepStatus voltstep_bms_worth_keeping(const struct VoltstepBms *bms,
+                                          const struct VoltstepBmsState *state,
+                                          uint32_t timed,
+                                          uint32_t now_s,
+                                          struct VoltstepRecord *record);
 
 // Starts the counter from a state of charge and its standard deviation (ratios 0..1).
 //

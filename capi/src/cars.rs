@@ -1,26 +1,39 @@
 //! A vehicle by its drives: one of a few plants, and what it remembers.
 //!
 //! One DC drive has a plant for itself, so that it costs what it costs in Rust; two and more are told
-//! apart at run time.
+//! apart at run time. What is not built in, by the features `pmsm` and `drives`, takes no flash.
 
+use core::mem::MaybeUninit;
 use core::slice::IterMut;
 
 use plant_core::Accum;
 use plant_core::battery::{Battery, BatteryState};
-use plant_core::control::driver::{Driver, DriverState, TorqueDriver};
+#[cfg(any(feature = "drives", feature = "pmsm"))]
+use plant_core::control::driver::TorqueDriver;
+use plant_core::control::driver::{Driver, DriverState};
 use plant_core::converter::Gates;
 use plant_core::machine::dc::DcDriveOutput;
+#[cfg(feature = "pmsm")]
 use plant_core::machine::pmsm::{DqCurrents, PmsmDrive, PmsmDriveOutput};
+#[cfg(all(feature = "drives", feature = "pmsm"))]
+use plant_core::powertrain::Either;
 use plant_core::powertrain::ledger::NoLedger;
-use plant_core::powertrain::{Drive, Drives, Either, Feedback, Powertrain, PowertrainState};
+use plant_core::powertrain::{Drive, Drives, Feedback, Powertrain, PowertrainState};
 
+use crate::params::VOLTSTEP_DRIVES;
 use crate::status::VoltstepStatus;
 use crate::values::{VoltstepDriveOutputs, VoltstepDriveSnapshot};
 
 /// A drive of either kind.
+#[cfg(all(feature = "drives", feature = "pmsm"))]
 pub(crate) type AnyDrive = Either<Drive, Drive<PmsmDrive>>;
+#[cfg(all(feature = "drives", not(feature = "pmsm")))]
+pub(crate) type AnyDrive = Drive;
+#[cfg(feature = "drives")]
 type Two = (AnyDrive, AnyDrive);
+#[cfg(feature = "drives")]
 type Three = (AnyDrive, Two);
+#[cfg(feature = "drives")]
 type Four = (Two, Two);
 
 /// A plant and who drives it, if anyone does.
@@ -42,9 +55,13 @@ pub(crate) struct Trip<D: Drives> {
 /// A vehicle with any drives.
 pub(crate) enum Cars {
     Dc(Car<Drive, Driver>),
+    #[cfg(feature = "pmsm")]
     Pmsm(Car<Drive<PmsmDrive>, TorqueDriver>),
+    #[cfg(feature = "drives")]
     Two(Car<Two, TorqueDriver>),
+    #[cfg(feature = "drives")]
     Three(Car<Three, TorqueDriver>),
+    #[cfg(feature = "drives")]
     Four(Car<Four, TorqueDriver>),
 }
 
@@ -52,9 +69,13 @@ pub(crate) enum Cars {
 #[derive(Clone, Copy)]
 pub(crate) enum Trips {
     Dc(Trip<Drive>),
+    #[cfg(feature = "pmsm")]
     Pmsm(Trip<Drive<PmsmDrive>>),
+    #[cfg(feature = "drives")]
     Two(Trip<Two>),
+    #[cfg(feature = "drives")]
     Three(Trip<Three>),
+    #[cfg(feature = "drives")]
     Four(Trip<Four>),
 }
 
@@ -63,11 +84,16 @@ macro_rules! same_kind {
     ($car:expr, $trip:expr, |$one:ident, $of:ident| $answer:expr) => {
         match ($car, $trip) {
             (Cars::Dc($one), Trips::Dc($of)) => $answer,
+            #[cfg(feature = "pmsm")]
             (Cars::Pmsm($one), Trips::Pmsm($of)) => $answer,
+            #[cfg(feature = "drives")]
             (Cars::Two($one), Trips::Two($of)) => $answer,
+            #[cfg(feature = "drives")]
             (Cars::Three($one), Trips::Three($of)) => $answer,
+            #[cfg(feature = "drives")]
             (Cars::Four($one), Trips::Four($of)) => $answer,
-            _ => Err(VoltstepStatus::StateOfOtherDrives),
+            #[cfg(any(feature = "drives", feature = "pmsm"))]
+            _ => VoltstepStatus::StateOfOtherDrives,
         }
     };
 }
@@ -78,9 +104,13 @@ macro_rules! each_trip {
     ($trip:expr, |$of:ident| $answer:expr) => {
         match $trip {
             Trips::Dc($of) => $answer,
+            #[cfg(feature = "pmsm")]
             Trips::Pmsm($of) => $answer,
+            #[cfg(feature = "drives")]
             Trips::Two($of) => $answer,
+            #[cfg(feature = "drives")]
             Trips::Three($of) => $answer,
+            #[cfg(feature = "drives")]
             Trips::Four($of) => $answer,
         }
     };
@@ -92,9 +122,13 @@ impl Cars {
     pub fn start(&self, soc: f32, speed_m_s: f32) -> Result<Trips, VoltstepStatus> {
         Ok(match self {
             Self::Dc(car) => Trips::Dc(car.start(soc, speed_m_s)?),
+            #[cfg(feature = "pmsm")]
             Self::Pmsm(car) => Trips::Pmsm(car.start(soc, speed_m_s)?),
+            #[cfg(feature = "drives")]
             Self::Two(car) => Trips::Two(car.start(soc, speed_m_s)?),
+            #[cfg(feature = "drives")]
             Self::Three(car) => Trips::Three(car.start(soc, speed_m_s)?),
+            #[cfg(feature = "drives")]
             Self::Four(car) => Trips::Four(car.start(soc, speed_m_s)?),
         })
     }
@@ -108,6 +142,9 @@ impl<D: Drives, C> Car<D, C> {
     }
 }
 
+/// Where the drives' outputs go, whatever is there.
+pub(crate) type DrivePlaces = [MaybeUninit<VoltstepDriveOutputs>; VOLTSTEP_DRIVES];
+
 /// Drives whose command, outputs and state C can read and write, one after the other.
 pub(crate) trait Told: Drives {
     /// Without a driver: the command for a duty or a torque, of which what is not a number is not
@@ -120,7 +157,7 @@ pub(crate) trait Told: Drives {
         }
     }
     /// What each says of a step, into the next place.
-    fn say(output: &Self::Output, places: &mut IterMut<'_, VoltstepDriveOutputs>);
+    fn say(output: &Self::Output, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>);
     /// What the winding of each remembers, into the next place.
     fn recall(state: &Self::State, places: &mut IterMut<'_, VoltstepDriveSnapshot>);
 }
@@ -137,16 +174,16 @@ impl Told for Drive {
     }
 
     #[inline(always)]
-    fn say(out: &DcDriveOutput, places: &mut IterMut<'_, VoltstepDriveOutputs>) {
+    fn say(out: &DcDriveOutput, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>) {
         put(
             places,
-            VoltstepDriveOutputs {
+            MaybeUninit::new(VoltstepDriveOutputs {
                 duty: out.duty,
                 motor_a: out.motor_a,
                 motor_nm: out.motor_nm,
                 motor_rad_s: out.motor_rad_s,
                 ..VoltstepDriveOutputs::NONE
-            },
+            }),
         );
     }
 
@@ -156,12 +193,13 @@ impl Told for Drive {
     }
 }
 
+#[cfg(feature = "pmsm")]
 impl Told for Drive<PmsmDrive> {
-    fn say(out: &PmsmDriveOutput, places: &mut IterMut<'_, VoltstepDriveOutputs>) {
+    fn say(out: &PmsmDriveOutput, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>) {
         let (duty, motor_a) = Self::duty_and_current(out);
         put(
             places,
-            VoltstepDriveOutputs {
+            MaybeUninit::new(VoltstepDriveOutputs {
                 duty,
                 motor_a,
                 d_a: out.current_a.d,
@@ -169,7 +207,7 @@ impl Told for Drive<PmsmDrive> {
                 motor_nm: out.motor_nm,
                 motor_rad_s: out.motor_rad_s,
                 coarse_step: out.coarse_step,
-            },
+            }),
         );
     }
 
@@ -179,8 +217,9 @@ impl Told for Drive<PmsmDrive> {
     }
 }
 
+#[cfg(all(feature = "drives", feature = "pmsm"))]
 impl Told for AnyDrive {
-    fn say(output: &Self::Output, places: &mut IterMut<'_, VoltstepDriveOutputs>) {
+    fn say(output: &Self::Output, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>) {
         match output {
             Either::One(out) => <Drive as Told>::say(out, places),
             Either::Other(out) => Drive::<PmsmDrive>::say(out, places),
@@ -194,8 +233,9 @@ impl Told for AnyDrive {
     }
 }
 
+#[cfg(feature = "drives")]
 impl<A: Told, B: Told> Told for (A, B) {
-    fn say(output: &Self::Output, places: &mut IterMut<'_, VoltstepDriveOutputs>) {
+    fn say(output: &Self::Output, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>) {
         A::say(&output.0, places);
         B::say(&output.1, places);
     }
@@ -206,6 +246,7 @@ impl<A: Told, B: Told> Told for (A, B) {
     }
 }
 
+#[inline(always)]
 fn put<T>(places: &mut IterMut<'_, T>, value: T) {
     if let Some(place) = places.next() {
         *place = value;

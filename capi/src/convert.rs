@@ -5,21 +5,29 @@ mod drives;
 use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
-use plant_core::battery::{Battery, BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
-use plant_core::control::driver::{Driver, DriverParams, TorqueDriver, TorqueDriverParams};
+#[cfg(any(feature = "drives", feature = "pmsm"))]
+use plant_core::battery::Battery;
+use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
+#[cfg(any(feature = "drives", feature = "pmsm"))]
+use plant_core::control::driver::TorqueDriver;
+use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::SocTable;
-use plant_core::powertrain::{Axles, Drive, Drives, Powertrain, PowertrainParams};
+#[cfg(any(feature = "drives", feature = "pmsm"))]
+use plant_core::powertrain::{Axles, Drives};
+use plant_core::powertrain::{Drive, Powertrain, PowertrainParams};
 use plant_core::presets::Vehicle;
 
 use crate::cars::{Car, Cars};
+#[cfg(feature = "drives")]
+use crate::params::VoltstepDriveParams;
 use crate::params::{
     VOLTSTEP_ABI, VOLTSTEP_DRIVES, VOLTSTEP_SOC_POINTS, VoltstepAuxiliaryParams,
-    VoltstepBatteryModel, VoltstepBatteryParams, VoltstepBodyParams, VoltstepDriveParams,
-    VoltstepDriverKind, VoltstepOpenCircuit, VoltstepParams, VoltstepPidParams, VoltstepRoadLaw,
-    VoltstepTorqueParams, VoltstepWheelParams, VoltstepWindup,
+    VoltstepBatteryModel, VoltstepBatteryParams, VoltstepBodyParams, VoltstepDriverKind,
+    VoltstepOpenCircuit, VoltstepParams, VoltstepPidParams, VoltstepRoadLaw, VoltstepTorqueParams,
+    VoltstepWheelParams, VoltstepWindup,
 };
 use crate::status::VoltstepStatus;
 use drives::{Described, DriveModel, NO_DRIVE};
@@ -48,21 +56,30 @@ impl VoltstepParams {
             },
             body: self.body.model()?,
         };
+        #[cfg(feature = "drives")]
         let axle = |drive: &VoltstepDriveParams| drive.model()?.axles(vehicle.wheel, dt);
         let driver = self.driver()?;
-        let [one, two, three, four] = &self.drives;
+        let [one, ..] = &self.drives;
+        #[cfg(feature = "drives")]
+        let [_, two, three, four] = &self.drives;
         Ok(match self.drive_count {
             1 => match one.model()? {
                 DriveModel::Dc(drive) => Cars::Dc(dc(vehicle.with_drives(drive), driver, dt)?),
+                #[cfg(feature = "pmsm")]
                 DriveModel::Pmsm(drive) => {
                     Cars::Pmsm(composed(&vehicle, drive.on(vehicle.wheel, dt)?, driver, dt)?)
                 }
             },
+            #[cfg(not(feature = "drives"))]
+            2..=4 => return Err(VoltstepStatus::NotBuiltIn),
+            #[cfg(feature = "drives")]
             2 => Cars::Two(composed(&vehicle, axle(one)?.and(axle(two)?), driver, dt)?),
+            #[cfg(feature = "drives")]
             3 => {
                 let axles = axle(one)?.and(axle(two)?.and(axle(three)?));
                 Cars::Three(composed(&vehicle, axles, driver, dt)?)
             }
+            #[cfg(feature = "drives")]
             4 => {
                 let axles = axle(one)?.and(axle(two)?).and(axle(three)?.and(axle(four)?));
                 Cars::Four(composed(&vehicle, axles, driver, dt)?)
@@ -111,6 +128,7 @@ fn dc(
 }
 
 /// Any drives, whose driver asks for a torque.
+#[cfg(any(feature = "drives", feature = "pmsm"))]
 fn composed<D: Drives>(
     vehicle: &PowertrainParams<BatteryParams, ()>,
     axles: Axles<D>,

@@ -1,7 +1,7 @@
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
-//! Voltstep for C: the coupled plant with its drivers, and the estimators of a battery, as a static
-//! library.
+//! Voltstep for C: the coupled plant with its drivers, the estimators of a battery, and a whole BMS, as
+//! a static library.
 //!
 //! `include/voltstep.h` is made from these sources by `cargo xtask capi`. This is the only crate
 //! of the project that uses `unsafe`: C hands over raw pointers. Every function checks them (null,
@@ -14,6 +14,8 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+#[cfg(feature = "bms")]
+mod bms;
 mod cars;
 mod convert;
 mod estimators;
@@ -24,6 +26,8 @@ mod status;
 mod step;
 mod values;
 
+#[cfg(feature = "bms")]
+pub use bms::*;
 pub use estimators::*;
 pub use handle::{VOLTSTEP_PLANT_WORDS, VOLTSTEP_STATE_WORDS, VoltstepPlant, VoltstepState};
 pub use params::{

@@ -37,6 +37,9 @@ macro_rules! rule {
     };
 }
 
+#[cfg(feature = "bms")]
+pub(crate) use rule;
+
 macro_rules! refusals {
     ($($status:ident: $rule:ident $field:literal,)+) => {
         /// The code of each refused parameter.
@@ -296,6 +299,7 @@ const OTHERS: &[(VoltstepStatus, &CStr)] = &[
     ),
     (VoltstepStatus::StateOfOtherDrives, c"the state was initialised by a plant with other drives"),
     (VoltstepStatus::DutyNotTaken, c"a duty beside a torque, or for drives that take none"),
+    (VoltstepStatus::NotBuiltIn, c"the library was built without this kind of drive"),
     (VoltstepStatus::UnknownPreset, c"preset must be one of VoltstepPreset"),
     (VoltstepStatus::UnknownBatteryModel, c"battery.model must be one of VoltstepBatteryModel"),
     (
@@ -306,6 +310,12 @@ const OTHERS: &[(VoltstepStatus, &CStr)] = &[
     (VoltstepStatus::UnknownDriver, c"driver must be one of VoltstepDriverKind"),
     (VoltstepStatus::UnknownWindup, c"pid.anti_windup must be one of VoltstepWindup"),
     (VoltstepStatus::UnknownCellPreset, c"preset must be one of VoltstepCellPreset"),
+    (
+        VoltstepStatus::BmsNotInitialised,
+        c"the BMS was not initialised, or with another version: voltstep_bms_init",
+    ),
+    (VoltstepStatus::BmsMoved, c"the BMS is a copy, or was moved: initialise it where it lies"),
+    (VoltstepStatus::SensorCount, c"the library was built for another number of temperatures"),
     (VoltstepStatus::UnknownMachine, c"drives.machine must be one of VoltstepMachine"),
     (VoltstepStatus::DriveCount, c"drive_count must lie in 1..4"),
     (

@@ -43,6 +43,8 @@ pub enum VoltstepStatus {
     StateOfOtherDrives = 16,
     /// A duty beside a torque, or for drives that take none: only one DC drive does.
     DutyNotTaken = 17,
+    /// The library was built without this kind of drive: the features `pmsm`, `drives`.
+    NotBuiltIn = 18,
     /// No such preset.
     UnknownPreset = 20,
     /// `battery.model` is none of `VoltstepBatteryModel`.
@@ -63,6 +65,12 @@ pub enum VoltstepStatus {
     DriveCount = 28,
     /// `driver` is a duty's, which drives one DC machine only.
     DriverOfOneDc = 29,
+    /// The BMS was not initialised: `voltstep_bms_init`.
+    BmsNotInitialised = 30,
+    /// The BMS is a copy, or was moved: initialise it where it lies.
+    BmsMoved = 31,
+    /// The library was built for a BMS with another number of temperatures.
+    SensorCount = 32,
     /// A parameter is out of range, and this version has no code of its own for it.
     Parameter = 99,
     /// `dt_s` must be finite and between 1e-12 and 1e12.

@@ -1,11 +1,13 @@
 //! Setting up, stepping, looking.
 
+use core::mem::MaybeUninit;
+
 use plant_core::battery::CurrentLimits;
 use plant_core::control::driver::{DriverInput, Steered, Steering};
-use plant_core::powertrain::{Limited, PowertrainInput};
+use plant_core::powertrain::{Limited, PowertrainInput, PowertrainOutput};
 use plant_core::presets;
 
-use crate::cars::{Car, Cars, Told, Trip, Trips, each_trip, same_kind};
+use crate::cars::{Car, Cars, DrivePlaces, Told, Trip, Trips, each_trip, same_kind};
 use crate::handle::{
     Plant, State, VoltstepPlant, VoltstepState, answer, check, check_apart, check_optional,
     exclusive, initialise, read_from, shared, write_to,
@@ -32,8 +34,13 @@ pub unsafe extern "C" fn voltstep_params_preset(
         p if p == P::BmwI3Epowertrain as u32 => (&presets::BMW_I3_60AH_EPOWERTRAIN).into(),
         p if p == P::EpowertrainUdds as u32 => (&presets::EPOWERTRAIN_UDDS).into(),
         p if p == P::EpowertrainUddsTable as u32 => (&presets::EPOWERTRAIN_UDDS_TABLE).into(),
+        #[cfg(feature = "pmsm")]
         p if p == P::BmwI3Pmsm as u32 => (&presets::BMW_I3_60AH_PMSM).into(),
+        #[cfg(all(feature = "drives", feature = "pmsm"))]
         p if p == P::TwoAxles as u32 => (&presets::TWO_AXLES).into(),
+        p if p == P::BmwI3Pmsm as u32 || p == P::TwoAxles as u32 => {
+            return VoltstepStatus::NotBuiltIn;
+        }
         _ => return VoltstepStatus::UnknownPreset,
     };
     // SAFETY: as promised by the caller; null and misaligned pointers are refused inside.
@@ -122,41 +129,38 @@ pub unsafe extern "C" fn voltstep_step(
     inputs: *const VoltstepInputs,
     outputs: *mut VoltstepOutputs,
 ) -> VoltstepStatus {
-    if let Err(status) = check_optional(outputs) {
-        return status;
-    }
     // SAFETY: as promised by the caller; null and misaligned pointers are refused inside, and
     // the reference to the state is only made where it shares nothing with the plant.
-    let (inputs, plant, state) = match unsafe {
-        (
-            read_from(inputs),
-            shared(plant),
-            check_apart(plant, state).and_then(|()| exclusive(state)),
-        )
+    let (plant, state) = match unsafe {
+        check_optional(outputs).and(check(inputs)).and_then(|()| {
+            Ok((shared(plant)?, check_apart(plant, state).and_then(|()| exclusive(state))?))
+        })
     } {
-        (Ok(inputs), Ok(plant), Ok(state)) => (inputs, plant, state),
-        (Err(status), ..) | (_, Err(status), _) | (.., Err(status)) => return status,
+        Ok(both) => both,
+        Err(status) => return status,
     };
-    let out =
-        match same_kind!(&plant.cars, &mut state.trips, |car, trip| advance(car, trip, &inputs)) {
-            Ok(out) => out,
-            Err(status) => return status,
-        };
-    let rejected = out.rejected || out.driver_rejected;
-    if !outputs.is_null() {
-        // SAFETY: not null, aligned (checked above), writable by the caller's promise; the
-        // references to plant and state are not used any more.
-        unsafe { outputs.write(out) };
+    // SAFETY: checked above, set and nobody else's by the caller's promise.
+    unsafe {
+        same_kind!(&plant.cars, &mut state.trips, |car, trip| advance(car, trip, inputs, outputs))
     }
-    if rejected { VoltstepStatus::InputRejected } else { VoltstepStatus::Ok }
 }
 
-#[inline(always)]
-fn advance<D: Told, C: Steering<D>>(
-    car: &Car<D, C>,
-    trip: &mut Trip<D>,
-    inputs: &VoltstepInputs,
-) -> Result<VoltstepOutputs, VoltstepStatus> {
+/// One step of one kind of plant, each in a function of its own: in one together they would pass
+/// through memory what each alone keeps in registers. The outputs are written where they belong.
+///
+/// # Safety
+/// Car and trip may be used as references while none of the others is, `inputs` may be read, and
+/// `outputs` is null or may be written.
+#[inline(never)]
+unsafe fn advance<D: Told, C: Steering<D>>(
+    car: *const Car<D, C>,
+    trip: *mut Trip<D>,
+    inputs: *const VoltstepInputs,
+    outputs: *mut VoltstepOutputs,
+) -> VoltstepStatus {
+    // SAFETY: as promised by the caller. The inputs are read before anything is written, and the
+    // references are not used any more when the outputs are, so overlap does no harm.
+    let (inputs, car, trip) = unsafe { (inputs.read(), &*car, &mut *trip) };
     let drives = car.plant.drives();
     let steered = match &car.driver {
         Some(driver) => driver.steer(
@@ -168,10 +172,9 @@ fn advance<D: Told, C: Steering<D>>(
             },
             drives,
         ),
-        None => Steered {
-            command: drives.asked(inputs.duty, inputs.torque_nm)?,
-            brake_n: 0.0,
-            rejected: false,
+        None => match drives.asked(inputs.duty, inputs.torque_nm) {
+            Ok(command) => Steered { command, brake_n: 0.0, rejected: false },
+            Err(status) => return status,
         },
     };
     let mut input = PowertrainInput {
@@ -187,32 +190,68 @@ fn advance<D: Told, C: Steering<D>>(
     input.road.grade.cos = inputs.grade_cos;
     input.road.headwind_m_s = inputs.headwind_m_s;
     let out = car.plant.step(&mut trip.plant, input);
-    trip.seen = car.plant.seen_of(&out);
-    let mut drives = [VoltstepDriveOutputs::NONE; VOLTSTEP_DRIVES];
-    D::say(&out.drives, &mut drives.iter_mut());
-    Ok(VoltstepOutputs {
-        drives,
-        motor_nm: trip.seen.motor_nm,
-        brake_n: input.road.brake_n,
-        speed_m_s: out.speed_m_s,
-        distance_m: out.distance_m,
-        soc: out.soc,
-        battery_a: out.battery_a,
-        battery_v: out.battery_v,
-        open_circuit_v: out.open_circuit_v,
-        limit_exceeded_a: out.limit_exceeded_a,
-        overcharged_c: out.overcharged_c,
-        limited: match out.limited {
+    let seen = car.plant.seen_of(&out);
+    trip.seen = seen;
+    if !outputs.is_null() {
+        // SAFETY: not null, and as promised by the caller.
+        unsafe {
+            say::<D>(outputs, &out);
+            (*outputs).motor_nm = seen.motor_nm;
+            (*outputs).brake_n = input.road.brake_n;
+            (*outputs).driver_rejected = steered.rejected;
+        }
+    }
+    if out.rejected || steered.rejected {
+        VoltstepStatus::InputRejected
+    } else {
+        VoltstepStatus::Ok
+    }
+}
+
+/// What the plant said of a step, field by field into the caller's memory: a struct in between would
+/// be copied.
+///
+/// # Safety
+/// `outputs` may be written, whatever is there.
+#[inline(always)]
+unsafe fn say<D: Told>(outputs: *mut VoltstepOutputs, out: &PowertrainOutput<D::Output>) {
+    // SAFETY: as promised by the caller; nothing is read, and nothing there needs dropping.
+    unsafe {
+        let mut places = (*(&raw mut (*outputs).drives).cast::<DrivePlaces>()).iter_mut();
+        D::say(&out.drives, &mut places);
+        for place in places {
+            clear(place);
+        }
+        (*outputs).speed_m_s = out.speed_m_s;
+        (*outputs).distance_m = out.distance_m;
+        (*outputs).soc = out.soc;
+        (*outputs).battery_a = out.battery_a;
+        (*outputs).battery_v = out.battery_v;
+        (*outputs).open_circuit_v = out.open_circuit_v;
+        (*outputs).limit_exceeded_a = out.limit_exceeded_a;
+        (*outputs).overcharged_c = out.overcharged_c;
+        (*outputs).limited = match out.limited {
             Limited::No => VoltstepLimited::No,
             Limited::Discharge => VoltstepLimited::Discharge,
             Limited::Charge => VoltstepLimited::Charge,
             Limited::Duty => VoltstepLimited::Duty,
             Limited::Current => VoltstepLimited::Current,
-        } as u32,
-        auxiliary_starved: out.auxiliary_starved,
-        rejected: out.rejected,
-        driver_rejected: steered.rejected,
-    })
+        } as u32;
+        (*outputs).auxiliary_starved = out.auxiliary_starved;
+        (*outputs).rejected = out.rejected;
+    }
+}
+
+/// Writes `VoltstepDriveOutputs::NONE`, word by word: left to itself the compiler calls a function for
+/// the three drives that most plants lack, which takes twice the instructions.
+#[inline(always)]
+fn clear(place: &mut MaybeUninit<VoltstepDriveOutputs>) {
+    const WORDS: usize = size_of::<VoltstepDriveOutputs>() / 4;
+    let words: *mut u32 = place.as_mut_ptr().cast();
+    for word in 0..WORDS {
+        // SAFETY: within the place, which is that large and aligned for words.
+        unsafe { words.add(word).write_volatile(0) };
+    }
 }
 
 fn remembered<D: Told>(Trip { plant, seen, .. }: &Trip<D>) -> VoltstepSnapshot {

@@ -1,4 +1,5 @@
 //! Vehicles with other drives than one DC machine, as C drives them.
+#![cfg(all(feature = "drives", feature = "pmsm"))]
 
 use plant_core::battery::BatteryParams;
 use plant_core::control::driver::{DriverInput, DriverParams, DriverState, Steering, TorqueDriver};

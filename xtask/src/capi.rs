@@ -1,5 +1,5 @@
 //! The C interface: its header is up to date, and C programs on it give the golden bits of the plant
-//! and those of the estimators in Rust, on this machine and on a Cortex-M4F in QEMU.
+//! and those of the estimators and the BMS in Rust, on this machine and on a Cortex-M4F in QEMU.
 
 use std::fmt::Write;
 use std::fs;
@@ -21,12 +21,15 @@ const GOLDEN: &str = "firmware-example/golden.toml";
 /// The vehicles that the example drives. The interface has no battery with a map.
 const VEHICLES: &[&str] =
     &["epowertrain-udds", "bmw-i3-60ah-constant", "bmw-i3-60ah-pmsm", "two-axles"];
+/// How many of them, the first, have one DC drive.
+const OF_ONE_DC: usize = 2;
 const CYCLE: &str = "data/cycles/udds.csv";
 /// The examples, and what goes with them here and on target.
 const PLANT: &str = "capi/example/main.c";
 const ESTIMATORS: &str = "capi/example/estimators.c";
-/// The second of them in Rust.
-const IN_RUST: &str = "estimators";
+const BMS: &str = "capi/example/bms.c";
+/// Those that are examples in Rust, too, by their names.
+const IN_RUST: &[(&str, &str)] = &[("estimators", ESTIMATORS), ("bms", BMS)];
 pub const HERE: &str = "capi/example/host.c";
 /// Reset and memory map of a C program in QEMU.
 pub const STARTUP: &str = "capi/example/mps2.c";
@@ -42,15 +45,23 @@ pub const CORTEX_M4F: &[&str] =
 /// Header, library, example, here and on target.
 pub fn capi() -> Result<()> {
     header()?;
+    run(cargo()
+        .args(["test", "--quiet", "-p", PACKAGE, "--no-default-features"])
+        .args(["--test", "not_built_in"]))?;
     let folder = folder()?;
     let golden = fs::read_to_string(root().join(GOLDEN)).context(GOLDEN)?;
-    for said in [here(&folder, PLANT)?, on_target(&folder, PLANT)?] {
+    let small = library(Some(TARGET), Kinds::OneDc)?;
+    compare(&on_target(&folder, PLANT, &small)?, &golden, &VEHICLES[..OF_ONE_DC])?;
+    let (library_here, library_there) =
+        (library(None, Kinds::All)?, library(Some(TARGET), Kinds::All)?);
+    for said in [here(&folder, PLANT, &library_here)?, on_target(&folder, PLANT, &library_there)?] {
         compare(&said, &golden, VEHICLES)?;
     }
-    let in_rust = output(cargo().args(["run", "--quiet", "-p", PACKAGE, "--example", IN_RUST]))?;
-    let wanted = said_hash(&in_rust, IN_RUST)?;
-    for said in [here(&folder, ESTIMATORS)?, on_target(&folder, ESTIMATORS)?] {
-        demand(&said, wanted)?;
+    for (name, example) in IN_RUST {
+        let in_rust = output(cargo().args(["run", "--quiet", "-p", PACKAGE, "--example", name]))?;
+        let wanted = said_hash(&in_rust, name)?;
+        demand(&here(&folder, example, &library_here)?, wanted)?;
+        demand(&on_target(&folder, example, &library_there)?, wanted)?;
     }
     Ok(())
 }
@@ -96,8 +107,17 @@ fn table(csv: &str) -> Result<String> {
     Ok(text)
 }
 
+/// What is built into a library.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kinds {
+    /// Every feature.
+    All,
+    /// None: plants with one DC drive.
+    OneDc,
+}
+
 /// The library built for a target, or for this machine.
-pub fn library(target: Option<&str>) -> Result<PathBuf> {
+pub fn library(target: Option<&str>, kinds: Kinds) -> Result<PathBuf> {
     let mut command = cargo();
     command.args(["build", "--quiet", "--release", "-p", PACKAGE]);
     let folder = Metadata::load()?.target_directory()?;
@@ -108,24 +128,36 @@ pub fn library(target: Option<&str>) -> Result<PathBuf> {
         }
         None => folder,
     };
-    run(&mut command)?;
-    Ok(folder.join("release").join(LIBRARY))
+    let library = folder.join("release").join(LIBRARY);
+    match kinds {
+        Kinds::All => {
+            run(&mut command)?;
+            Ok(library)
+        }
+        Kinds::OneDc => {
+            run(command.arg("--no-default-features"))?;
+            // The next one is built in the same place.
+            let small = library.with_extension("dc.a");
+            fs::copy(&library, &small).context(LIBRARY)?;
+            Ok(small)
+        }
+    }
 }
 
-fn here(folder: &Path, example: &str) -> Result<String> {
+fn here(folder: &Path, example: &str, library: &Path) -> Result<String> {
     let binary = folder.join("example");
     run(program("cc")
         .args(WARNINGS)
         .args(["-O2", SAME_BITS, "-Icapi/include", "-I"])
         .arg(folder)
         .args([example, HERE])
-        .arg(library(None)?)
+        .arg(library)
         .args(["-lpthread", "-ldl", "-lm", "-o"])
         .arg(&binary))?;
     output(&mut program(&binary.to_string_lossy()))
 }
 
-fn on_target(folder: &Path, example: &str) -> Result<String> {
+fn on_target(folder: &Path, example: &str, library: &Path) -> Result<String> {
     let elf = folder.join("example.elf");
     run(program("arm-none-eabi-gcc")
         .args(WARNINGS)
@@ -134,7 +166,7 @@ fn on_target(folder: &Path, example: &str) -> Result<String> {
         .args(["-Icapi/include", "-I"])
         .arg(folder)
         .args([example, STARTUP])
-        .arg(library(Some(TARGET))?)
+        .arg(library)
         .args(["-nostdlib", "-lgcc", "-Wl,-z,noexecstack", "-T", MAP, "-o"])
         .arg(&elf))?;
     let symbols = output(program("arm-none-eabi-nm").arg("-C").arg(&elf))?;

@@ -4,14 +4,21 @@ use core::slice::IterMut;
 
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::DcMotorParams;
-use plant_core::machine::flux::{Flux, LinearFlux};
-use plant_core::machine::pmsm::PmsmParams;
-use plant_core::machine::transform::Dq;
 use plant_core::mechanics::gearbox::GearboxParams;
-use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{Axles, DriveParams, Either};
-use plant_core::{Dt, ParamError};
+use plant_core::powertrain::DriveParams;
+#[cfg(all(feature = "drives", feature = "pmsm"))]
+use plant_core::powertrain::Either;
+#[cfg(feature = "drives")]
+use plant_core::{Dt, mechanics::wheel::WheelParams, powertrain::Axles};
+#[cfg(feature = "pmsm")]
+use plant_core::{
+    ParamError,
+    machine::flux::{Flux, LinearFlux},
+    machine::pmsm::PmsmParams,
+    machine::transform::Dq,
+};
 
+#[cfg(feature = "drives")]
 use crate::cars::AnyDrive;
 use crate::params::{
     VoltstepConverterParams, VoltstepDriveParams, VoltstepGearboxParams, VoltstepMachine,
@@ -22,14 +29,20 @@ use crate::status::VoltstepStatus;
 /// A drive of either kind.
 pub(super) enum DriveModel {
     Dc(DriveParams),
+    #[cfg(feature = "pmsm")]
     Pmsm(DriveParams<PmsmParams>),
 }
 
+#[cfg(feature = "drives")]
 impl DriveModel {
     /// The drive, told apart at run time.
     pub fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<AnyDrive>, VoltstepStatus> {
         Ok(match self {
+            #[cfg(feature = "pmsm")]
             Self::Dc(drive) => drive.on(wheel, dt)?.map(Either::One),
+            #[cfg(not(feature = "pmsm"))]
+            Self::Dc(drive) => drive.on(wheel, dt)?,
+            #[cfg(feature = "pmsm")]
             Self::Pmsm(drive) => drive.on(wheel, dt)?.map(Either::Other),
         })
     }
@@ -41,6 +54,9 @@ impl VoltstepDriveParams {
             m if m == VoltstepMachine::Dc as u32 => {
                 Ok(DriveModel::Dc(self.with(self.motor.model())))
             }
+            #[cfg(not(feature = "pmsm"))]
+            m if m == VoltstepMachine::Pmsm as u32 => Err(VoltstepStatus::NotBuiltIn),
+            #[cfg(feature = "pmsm")]
             m if m == VoltstepMachine::Pmsm as u32 => {
                 Ok(DriveModel::Pmsm(self.with(self.pmsm.model()?)))
             }
@@ -84,6 +100,7 @@ impl VoltstepMotorParams {
     }
 }
 
+#[cfg(feature = "pmsm")]
 impl VoltstepPmsmParams {
     fn model(&self) -> Result<PmsmParams, ParamError> {
         Ok(PmsmParams {
@@ -111,6 +128,7 @@ pub(crate) trait Described {
     fn describe(&self, places: &mut IterMut<'_, VoltstepDriveParams>);
 }
 
+#[cfg(all(feature = "drives", feature = "pmsm"))]
 impl<A: Described, B: Described> Described for (A, B) {
     const COUNT: u32 = A::COUNT + B::COUNT;
 
@@ -138,6 +156,7 @@ impl Described for DriveParams {
     }
 }
 
+#[cfg(feature = "pmsm")]
 impl Described for DriveParams<PmsmParams> {
     const COUNT: u32 = 1;
 

@@ -161,7 +161,7 @@ impl VoltstepResistanceMap {
 }
 
 impl VoltstepCellParams {
-    fn model(&self) -> Result<MappedBatteryParams, VoltstepStatus> {
+    pub(crate) fn model(&self) -> Result<MappedBatteryParams, VoltstepStatus> {
         let curve = SocTable::new("battery.open_circuit.table", self.open_circuit_v)?;
         Ok(MappedBatteryParams {
             capacity_ah: self.capacity_ah,

@@ -36,6 +36,23 @@ pub struct VoltstepEnergyReport {
     pub average_time_to_full_s: f32,
 }
 
+#[cfg(feature = "bms")]
+impl VoltstepEnergyReport {
+    /// Not worked out yet.
+    pub(crate) const UNKNOWN: Self = Self {
+        remaining_capacity_ah: f32::NAN,
+        remaining_energy_wh: f32::NAN,
+        remaining_energy_sd_wh: f32::NAN,
+        full_charge_capacity_ah: f32::NAN,
+        full_charge_energy_wh: f32::NAN,
+        relative_state_of_charge: f32::NAN,
+        absolute_state_of_charge: f32::NAN,
+        state_of_energy: f32::NAN,
+        average_time_to_empty_s: f32::NAN,
+        average_time_to_full_s: f32::NAN,
+    };
+}
+
 impl From<EnergyReport> for VoltstepEnergyReport {
     fn from(r: EnergyReport) -> Self {
         Self {

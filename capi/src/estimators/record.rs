@@ -79,7 +79,7 @@ impl VoltstepRecord {
         Self::from_model(Record::of(memory, health))
     }
 
-    const fn from_model(r: Record) -> Self {
+    pub(crate) const fn from_model(r: Record) -> Self {
         let (timed, written_at_s) = match r.written_at_s {
             Some(seconds) => (1, seconds),
             None => (0, 0),
@@ -110,7 +110,7 @@ impl VoltstepRecord {
         }
     }
 
-    fn model(&self) -> Record {
+    pub(crate) fn model(&self) -> Record {
         Record {
             soc: self.soc,
             soc_sd: self.soc_sd,
