@@ -41,10 +41,6 @@ fn difference(ours: &[f64], theirs: impl Iterator<Item = f64>) -> f64 {
     (apart / all).sqrt()
 }
 
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
-}
-
 #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
 fn narrow(x: f64) -> Real {
     x as Real
@@ -84,13 +80,13 @@ fn run<const N: usize, const E: usize>(
 fn a_rectifier() {
     let Some(theirs) = reference("rectifier") else { return };
     let bridge = [
-        branch(1, 2, Element::Voltage),
-        branch(1, 3, Element::JUNCTION),
-        branch(2, 3, Element::JUNCTION),
-        branch(0, 1, Element::JUNCTION),
-        branch(0, 2, Element::JUNCTION),
-        branch(3, 0, Element::Capacitor { farad: 1e-3 }),
-        branch(3, 0, Element::Resistor { ohm: 100.0 }),
+        Branch::new(1, 2, Element::Voltage),
+        Branch::new(1, 3, Element::JUNCTION),
+        Branch::new(2, 3, Element::JUNCTION),
+        Branch::new(0, 1, Element::JUNCTION),
+        Branch::new(0, 2, Element::JUNCTION),
+        Branch::new(3, 0, Element::Capacitor { farad: 1e-3 }),
+        Branch::new(3, 0, Element::Resistor { ohm: 100.0 }),
     ];
     for method in [Method::BackwardEuler, Method::Trapezoidal] {
         // 200 steps in a period of the ripple.
@@ -113,11 +109,11 @@ fn an_inverter() {
         modulation_per_v: 0.01,
     };
     let pair = [
-        branch(1, 0, Element::Voltage),
-        branch(2, 0, Element::Voltage),
-        branch(3, 1, mos(true)),
-        branch(3, 0, mos(false)),
-        branch(3, 0, Element::Capacitor { farad: 2e-8 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(2, 0, Element::Voltage),
+        Branch::new(3, 1, mos(true)),
+        Branch::new(3, 0, mos(false)),
+        Branch::new(3, 0, Element::Capacitor { farad: 2e-8 }),
     ];
     let gate = |t: f64| {
         let within = (t * 1e6) % 200.0;
@@ -136,12 +132,12 @@ fn a_buck_converter() {
     let Some(theirs) = reference("buck") else { return };
     let switch = Element::Switch { on_ohm: 0.01, off_ohm: 1e5 };
     let buck = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, switch),
-        branch(2, 0, switch),
-        branch(2, 3, Element::Coil { henry: 1e-3, ohm: 0.1 }),
-        branch(3, 0, Element::Capacitor { farad: 1e-4 }),
-        branch(3, 0, Element::Resistor { ohm: 5.0 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, switch),
+        Branch::new(2, 0, switch),
+        Branch::new(2, 3, Element::Coil { henry: 1e-3, ohm: 0.1 }),
+        Branch::new(3, 0, Element::Capacitor { farad: 1e-4 }),
+        Branch::new(3, 0, Element::Resistor { ohm: 5.0 }),
     ];
     let input = |t: f64| {
         let high = (t * 1e6 - 0.25) % 100.0 < 40.0;

@@ -3,6 +3,7 @@
 
 use plant_core::circuit::{
     Branch, Circuit, CircuitError, CircuitInput, CircuitState, Element, Method, Phases, sources,
+    three_phase,
 };
 use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
 use plant_core::machine::transform::{Dq, RotorAngle, duties};
@@ -39,22 +40,7 @@ const TRANSISTOR: Element = Element::Transistor {
 };
 const PHASES: Phases = must!(Phases::new(&MACHINE));
 
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
-}
-
-const BRIDGE: [Branch; 10] = [
-    branch(1, 0, Element::Voltage),
-    branch(1, 2, TRANSISTOR),
-    branch(2, 0, TRANSISTOR),
-    branch(1, 3, TRANSISTOR),
-    branch(3, 0, TRANSISTOR),
-    branch(1, 4, TRANSISTOR),
-    branch(4, 0, TRANSISTOR),
-    branch(2, 5, PHASES.coil()),
-    branch(3, 5, PHASES.coil()),
-    branch(4, 5, PHASES.coil()),
-];
+const BRIDGE: [Branch; 10] = three_phase(TRANSISTOR, PHASES.coil());
 static CIRCUIT: Result<Circuit<6, 10, { sources(&BRIDGE) }, 64>, CircuitError> =
     Circuit::tabled(BRIDGE, Method::BackwardEuler, STEP);
 
