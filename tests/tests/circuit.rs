@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use plant_core::circuit::{Branch, Circuit, CircuitInput, CircuitState, Element, Method};
+use plant_core::circuit::{Branch, Circuit, CircuitInput, CircuitState, Element, Method, h_bridge};
 use plant_core::{Dt, Real};
 
 /// What ngspice prints for a netlist of `ngspice/`: time, then one value or two.
@@ -150,5 +150,54 @@ fn a_buck_converter() {
             let off = difference(&ours, theirs.iter().map(|row| row[column]));
             assert!(off < 0.01, "{method:?}, element {element}: {off}");
         }
+    }
+}
+
+/// 2 Ω, 1 mH, 10 µF on a source that rises to 10 V within 30 µs.
+#[test]
+fn a_series_resonance() {
+    let Some(theirs) = reference("rlc") else { return };
+    let series = [
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Coil { henry: 1e-3, ohm: 2.0 }),
+        Branch::new(2, 0, Element::Capacitor { farad: 1e-5 }),
+    ];
+    let input = |t: f64| ([10.0 * (t / 30e-6).min(1.0), 0.0, 0.0], 0);
+    for (element, by_current, column) in [(2, false, 1), (1, true, 2)] {
+        // It rings with 0.63 ms; 200 steps of that are 3 µs, or six rows of theirs.
+        let off = |method, rows: u32| {
+            let (dt_s, steps) = (0.5e-6 * f64::from(rows), 6000 / rows as usize);
+            let ours = run::<3, 3>(series, method, dt_s, steps, input, element, by_current);
+            difference(&ours, theirs.iter().step_by(rows as usize).map(|row| row[column]))
+        };
+        let order = |method| (off(method, 6) / off(method, 3)).log2();
+        let (rule, euler) = (order(Method::Trapezoidal), order(Method::BackwardEuler));
+        assert!(off(Method::Trapezoidal, 6) < 0.01 && (rule - 2.0).abs() < 0.1, "{rule}");
+        // Euler damps by ω²·h/2 = 150 1/s more than the 1000 1/s of the circuit.
+        let coarse = off(Method::BackwardEuler, 6);
+        assert!(coarse < 0.15 && (euler - 1.0).abs() < 0.1, "{coarse} {euler}");
+    }
+}
+
+/// 400 V, two legs at 10 kHz with 2 µs of dead time, a DC motor's winding at 100 V of back-EMF.
+#[test]
+fn an_h_bridge() {
+    let Some(theirs) = reference("h-bridge") else { return };
+    let transistor =
+        Element::Transistor { on_ohm: 0.005, off_ohm: 1e5, drop_v: 0.0, diode_drop_v: 0.8 };
+    let bridge = h_bridge(transistor, Element::Coil { henry: 1e-3, ohm: 1.0 });
+    let input = |t: f64| {
+        let within = (t * 1e6 - 0.25) % 100.0;
+        let gates = match within {
+            2.0..70.0 => 0b10010,
+            72.0..100.0 => 0b01100,
+            _ => 0,
+        };
+        ([400.0, 0.0, 0.0, 0.0, 0.0, 100.0], gates)
+    };
+    for method in [Method::BackwardEuler, Method::Trapezoidal] {
+        let ours = run::<4, 6>(bridge, method, 5e-7, 20_000, input, 5, true);
+        let off = difference(&ours, theirs.iter().map(|row| row[1]));
+        assert!(off < 0.01, "{method:?}: {off}");
     }
 }

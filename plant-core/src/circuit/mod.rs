@@ -57,7 +57,7 @@ pub use error::CircuitError;
 pub use phases::Phases;
 pub use settle::ROUNDS;
 
-use crate::model::{Dt, Model};
+use crate::model::Model;
 use crate::num::{Accum, Real};
 use element::Devices;
 

@@ -1,7 +1,7 @@
 extern crate std;
 
 use super::*;
-use crate::must;
+use crate::{Dt, must};
 use std::format;
 
 const US: Dt = must!(Dt::from_s(1e-6));
