@@ -1,6 +1,10 @@
 //! What each fuzz target does with its bytes. A workspace test runs the corpus through the same
 //! functions, without nightly.
 
+mod circuit;
+
+pub use circuit::circuit;
+
 use plant_core::Dt;
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{
@@ -68,6 +72,13 @@ pub fn battery(data: &[u8]) {
     if let Ok(file) = voltstep::read::battery::parse("fuzz.toml", data) {
         let dt = Dt::from_s(0.1).expect("a sound step");
         plant_core::battery::MappedBattery::new(file.battery, dt).expect("checked by the reader");
+    }
+}
+
+/// A circuit: what is read can be built.
+pub fn netlist(data: &[u8]) {
+    if let Ok(netlist) = voltstep::read::netlist::parse("fuzz.toml", data) {
+        assert!(netlist.circuit().is_ok(), "checked by the reader");
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use plant_core::circuit::{Branch, Circuit, CircuitInput, CircuitState, Element, Method};
+use plant_core::circuit::{Branch, Circuit, CircuitInput, CircuitState, Element, Method, h_bridge};
 use plant_core::{Dt, Real};
 
 /// What ngspice prints for a netlist of `ngspice/`: time, then one value or two.
@@ -39,10 +39,6 @@ fn difference(ours: &[f64], theirs: impl Iterator<Item = f64>) -> f64 {
         all += theirs.powi(2);
     }
     (apart / all).sqrt()
-}
-
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
@@ -84,13 +80,13 @@ fn run<const N: usize, const E: usize>(
 fn a_rectifier() {
     let Some(theirs) = reference("rectifier") else { return };
     let bridge = [
-        branch(1, 2, Element::Voltage),
-        branch(1, 3, Element::JUNCTION),
-        branch(2, 3, Element::JUNCTION),
-        branch(0, 1, Element::JUNCTION),
-        branch(0, 2, Element::JUNCTION),
-        branch(3, 0, Element::Capacitor { farad: 1e-3 }),
-        branch(3, 0, Element::Resistor { ohm: 100.0 }),
+        Branch::new(1, 2, Element::Voltage),
+        Branch::new(1, 3, Element::JUNCTION),
+        Branch::new(2, 3, Element::JUNCTION),
+        Branch::new(0, 1, Element::JUNCTION),
+        Branch::new(0, 2, Element::JUNCTION),
+        Branch::new(3, 0, Element::Capacitor { farad: 1e-3 }),
+        Branch::new(3, 0, Element::Resistor { ohm: 100.0 }),
     ];
     for method in [Method::BackwardEuler, Method::Trapezoidal] {
         // 200 steps in a period of the ripple.
@@ -113,11 +109,11 @@ fn an_inverter() {
         modulation_per_v: 0.01,
     };
     let pair = [
-        branch(1, 0, Element::Voltage),
-        branch(2, 0, Element::Voltage),
-        branch(3, 1, mos(true)),
-        branch(3, 0, mos(false)),
-        branch(3, 0, Element::Capacitor { farad: 2e-8 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(2, 0, Element::Voltage),
+        Branch::new(3, 1, mos(true)),
+        Branch::new(3, 0, mos(false)),
+        Branch::new(3, 0, Element::Capacitor { farad: 2e-8 }),
     ];
     let gate = |t: f64| {
         let within = (t * 1e6) % 200.0;
@@ -136,12 +132,12 @@ fn a_buck_converter() {
     let Some(theirs) = reference("buck") else { return };
     let switch = Element::Switch { on_ohm: 0.01, off_ohm: 1e5 };
     let buck = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, switch),
-        branch(2, 0, switch),
-        branch(2, 3, Element::Coil { henry: 1e-3, ohm: 0.1 }),
-        branch(3, 0, Element::Capacitor { farad: 1e-4 }),
-        branch(3, 0, Element::Resistor { ohm: 5.0 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, switch),
+        Branch::new(2, 0, switch),
+        Branch::new(2, 3, Element::Coil { henry: 1e-3, ohm: 0.1 }),
+        Branch::new(3, 0, Element::Capacitor { farad: 1e-4 }),
+        Branch::new(3, 0, Element::Resistor { ohm: 5.0 }),
     ];
     let input = |t: f64| {
         let high = (t * 1e6 - 0.25) % 100.0 < 40.0;
@@ -154,5 +150,54 @@ fn a_buck_converter() {
             let off = difference(&ours, theirs.iter().map(|row| row[column]));
             assert!(off < 0.01, "{method:?}, element {element}: {off}");
         }
+    }
+}
+
+/// 2 Ω, 1 mH, 10 µF on a source that rises to 10 V within 30 µs.
+#[test]
+fn a_series_resonance() {
+    let Some(theirs) = reference("rlc") else { return };
+    let series = [
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Coil { henry: 1e-3, ohm: 2.0 }),
+        Branch::new(2, 0, Element::Capacitor { farad: 1e-5 }),
+    ];
+    let input = |t: f64| ([10.0 * (t / 30e-6).min(1.0), 0.0, 0.0], 0);
+    for (element, by_current, column) in [(2, false, 1), (1, true, 2)] {
+        // It rings with 0.63 ms; 200 steps of that are 3 µs, or six rows of theirs.
+        let off = |method, rows: u32| {
+            let (dt_s, steps) = (0.5e-6 * f64::from(rows), 6000 / rows as usize);
+            let ours = run::<3, 3>(series, method, dt_s, steps, input, element, by_current);
+            difference(&ours, theirs.iter().step_by(rows as usize).map(|row| row[column]))
+        };
+        let order = |method| (off(method, 6) / off(method, 3)).log2();
+        let (rule, euler) = (order(Method::Trapezoidal), order(Method::BackwardEuler));
+        assert!(off(Method::Trapezoidal, 6) < 0.01 && (rule - 2.0).abs() < 0.1, "{rule}");
+        // Euler damps by ω²·h/2 = 150 1/s more than the 1000 1/s of the circuit.
+        let coarse = off(Method::BackwardEuler, 6);
+        assert!(coarse < 0.15 && (euler - 1.0).abs() < 0.1, "{coarse} {euler}");
+    }
+}
+
+/// 400 V, two legs at 10 kHz with 2 µs of dead time, a DC motor's winding at 100 V of back-EMF.
+#[test]
+fn an_h_bridge() {
+    let Some(theirs) = reference("h-bridge") else { return };
+    let transistor =
+        Element::Transistor { on_ohm: 0.005, off_ohm: 1e5, drop_v: 0.0, diode_drop_v: 0.8 };
+    let bridge = h_bridge(transistor, Element::Coil { henry: 1e-3, ohm: 1.0 });
+    let input = |t: f64| {
+        let within = (t * 1e6 - 0.25) % 100.0;
+        let gates = match within {
+            2.0..70.0 => 0b10010,
+            72.0..100.0 => 0b01100,
+            _ => 0,
+        };
+        ([400.0, 0.0, 0.0, 0.0, 0.0, 100.0], gates)
+    };
+    for method in [Method::BackwardEuler, Method::Trapezoidal] {
+        let ours = run::<4, 6>(bridge, method, 5e-7, 20_000, input, 5, true);
+        let off = difference(&ours, theirs.iter().map(|row| row[1]));
+        assert!(off < 0.01, "{method:?}: {off}");
     }
 }

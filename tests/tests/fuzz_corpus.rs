@@ -23,6 +23,7 @@ fn readers() {
     run("vehicle", targets::vehicle);
     run("battery", targets::battery);
     run("cell", targets::cell);
+    run("netlist", targets::netlist);
 }
 
 #[test]
@@ -30,6 +31,12 @@ fn steps() {
     run("step", |data| {
         targets::step(data);
     });
+}
+
+/// And each seed is a network that takes them.
+#[test]
+fn networks() {
+    run("circuit", |data| assert!(targets::circuit(data)));
 }
 
 /// Each kind of plant takes steps on some file of the corpus: one that refuses them all tests
@@ -68,5 +75,6 @@ fn the_seeds_are_taken() {
     assert!(
         voltstep::read::battery::parse("x", &seed("battery/panasonic-ncr18650pf.toml")).is_ok()
     );
+    assert!(voltstep::read::netlist::parse("x.toml", &seed("netlist/buck.toml")).is_ok());
     assert!(voltstep::read::cell::parse("x.csv", &seed("cell/three.csv")).is_ok());
 }

@@ -2,7 +2,8 @@
 //! synchronous one.
 
 use plant_core::circuit::{
-    Branch, Circuit, CircuitInput, CircuitState, Element, Method, Phases, sources,
+    Branch, Circuit, CircuitInput, CircuitState, Element, Method, Phases, h_bridge, sources,
+    three_phase,
 };
 use plant_core::num::wrap_turns;
 use plant_core::presets::PMSM_EPOWERTRAIN;
@@ -20,18 +21,7 @@ const BUS_V: f32 = 300.0;
 const TRANSISTOR: Element =
     Element::Transistor { on_ohm: 0.05, off_ohm: 1e5, drop_v: 0.0, diode_drop_v: 0.0 };
 
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
-}
-
-const H: [Branch; 6] = [
-    branch(1, 0, Element::Voltage),
-    branch(1, 2, TRANSISTOR),
-    branch(2, 0, TRANSISTOR),
-    branch(1, 3, TRANSISTOR),
-    branch(3, 0, TRANSISTOR),
-    branch(2, 3, Element::Coil { henry: 1e-3, ohm: 0.1 }),
-];
+const H: [Branch; 6] = h_bridge(TRANSISTOR, Element::Coil { henry: 1e-3, ohm: 0.1 });
 const H_BRIDGE: Circuit<4, 6, { sources(&H) }, 16> =
     must!(Circuit::tabled(H, Method::BackwardEuler, STEP));
 const MOTOR_NM_PER_A: f32 = 0.27;
@@ -39,18 +29,7 @@ const MOTOR_INERTIA: f32 = 0.03;
 
 const PHASES: Phases = must!(Phases::new(&PMSM_EPOWERTRAIN));
 const PAIRS_PER_RAD: f32 = PMSM_EPOWERTRAIN.pole_pairs as f32 / core::f32::consts::TAU;
-const THREE: [Branch; 10] = [
-    branch(1, 0, Element::Voltage),
-    branch(1, 2, TRANSISTOR),
-    branch(2, 0, TRANSISTOR),
-    branch(1, 3, TRANSISTOR),
-    branch(3, 0, TRANSISTOR),
-    branch(1, 4, TRANSISTOR),
-    branch(4, 0, TRANSISTOR),
-    branch(2, 5, PHASES.coil()),
-    branch(3, 5, PHASES.coil()),
-    branch(4, 5, PHASES.coil()),
-];
+const THREE: [Branch; 10] = three_phase(TRANSISTOR, PHASES.coil());
 const THREE_PHASE: Circuit<6, 10, { sources(&THREE) }, 64> =
     must!(Circuit::tabled(THREE, Method::BackwardEuler, STEP));
 

@@ -141,7 +141,7 @@ fn components() {
         Contactor::new, Contactor::step, plant_core::link::ContactorState::is_closed, <Contactor as Model>::step, LinkState::charged_to, Link::new,
         Link::step, <Link as Model>::step,
         Circuit::new, circuit::Circuit::<4, 6, 6, 16>::tabled, Circuit::branches, Circuit::step, circuit::Circuit::<4, 6, 6, 16>::step, Circuit::books, <Circuit as Model>::step,
-        Phases::new, Phases::coil, Phases::constants_nm_per_a, CircuitInput::<6>::of, circuit::sources::<6>, circuit::two_states::<6>,
+        Phases::new, Phases::coil, Phases::constants_nm_per_a, CircuitInput::<6>::of, circuit::sources::<6>, circuit::two_states::<6>, circuit::Branch::new, circuit::h_bridge, circuit::three_phase,
         Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,
         BatteryState::rested, Battery::new, Battery::offer, Battery::limits, Battery::faded,
         Battery::next, CurrentLimits::within, Battery::allows, Battery::settle, Battery::stored_energy_j, Battery::discharged_energy_j,

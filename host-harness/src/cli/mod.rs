@@ -11,6 +11,7 @@ use clap::{Parser, Subcommand};
 use crate::read::error::on_one_line;
 
 mod bms;
+mod circuit;
 mod endurance;
 mod experiment;
 mod identify;
@@ -47,6 +48,9 @@ enum Command {
     /// Run an experiment of the reference system, and write its figures, trace and plots; exit code
     /// 1 where a figure is off. Without a name: list them
     Experiment(experiment::Arguments),
+    /// Run a circuit from a file, switch by switch, and write summary, trace and plots; exit code 1
+    /// where a step did not settle
+    Circuit(circuit::Arguments),
     /// Run a state-of-charge estimator over measured cell tests or trips and compare it with the
     /// charge that was counted; with --matrix exit code 1 where its standard deviation is not honest.
     /// --matrix without files simulates batteries with which something is wrong
@@ -101,6 +105,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Validate(arguments) => validate::run(arguments),
         Command::Experiment(arguments) => experiment::run(arguments),
+        Command::Circuit(arguments) => circuit::run(arguments),
         Command::Soc(arguments) => soc::run(arguments),
         Command::Bms(arguments) => bms::run(&arguments),
         Command::Rewind(arguments) => rewind::run(&arguments),

@@ -10,6 +10,7 @@ pub mod cycle;
 mod document;
 pub mod error;
 pub mod input;
+pub mod netlist;
 pub mod recognise;
 pub mod trip;
 pub mod vehicle;

@@ -2,6 +2,7 @@
 //! it in a [`run`] and sums up in figures. Beside it what several of the modules above need:
 //! synthetic data, noise, statistics over many figures.
 
+pub mod circuit;
 pub mod comparison;
 pub mod figures;
 pub mod mode;

@@ -3,6 +3,7 @@
 
 use plant_core::circuit::{
     Branch, Circuit, CircuitError, CircuitInput, CircuitState, Element, Method, Phases, sources,
+    three_phase,
 };
 use plant_core::machine::pmsm::{Pmsm, PmsmInput, PmsmState};
 use plant_core::machine::transform::{Dq, RotorAngle, duties};
@@ -14,10 +15,11 @@ use super::pmsm::single;
 use super::tolerance as t;
 use super::{Case, Checks};
 
-pub(super) const CASES: [Case; 3] = [
+pub(super) const CASES: [Case; 4] = [
     Case { name: "circuit: three-phase bridge", models: &["Circuit", "Pmsm"], run: averaged },
     Case { name: "circuit: dead time", models: &["Circuit"], run: dead_time },
     Case { name: "circuit: one transistor open", models: &["Circuit"], run: one_open },
+    Case { name: "circuit: one transistor shorted", models: &["Circuit"], run: one_shorted },
 ];
 
 /// The step, a hundredth of the switching period.
@@ -39,22 +41,7 @@ const TRANSISTOR: Element = Element::Transistor {
 };
 const PHASES: Phases = must!(Phases::new(&MACHINE));
 
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
-}
-
-const BRIDGE: [Branch; 10] = [
-    branch(1, 0, Element::Voltage),
-    branch(1, 2, TRANSISTOR),
-    branch(2, 0, TRANSISTOR),
-    branch(1, 3, TRANSISTOR),
-    branch(3, 0, TRANSISTOR),
-    branch(1, 4, TRANSISTOR),
-    branch(4, 0, TRANSISTOR),
-    branch(2, 5, PHASES.coil()),
-    branch(3, 5, PHASES.coil()),
-    branch(4, 5, PHASES.coil()),
-];
+const BRIDGE: [Branch; 10] = three_phase(TRANSISTOR, PHASES.coil());
 static CIRCUIT: Result<Circuit<6, 10, { sources(&BRIDGE) }, 64>, CircuitError> =
     Circuit::tabled(BRIDGE, Method::BackwardEuler, STEP);
 
@@ -65,10 +52,17 @@ pub(super) struct Drive {
     pub dead_steps: u32,
     /// From this period on the upper transistor of phase a does not close.
     pub open_from: Option<u32>,
+    /// From this period on it conducts whatever its gate says. Once the source's current says so,
+    /// all other gates stay off.
+    pub shorted_from: Option<u32>,
 }
 
-pub(super) const WITH_DEAD_TIME: Drive = Drive { dead_steps: 2, open_from: None };
-pub(super) const WITH_ONE_OPEN: Drive = Drive { dead_steps: 2, open_from: Some(750) };
+pub(super) const WITH_DEAD_TIME: Drive =
+    Drive { dead_steps: 2, open_from: None, shorted_from: None };
+pub(super) const WITH_ONE_OPEN: Drive = Drive { open_from: Some(750), ..WITH_DEAD_TIME };
+pub(super) const WITH_ONE_SHORTED: Drive = Drive { shorted_from: Some(750), ..WITH_DEAD_TIME };
+/// The current of the source at which the gates go off \[A\].
+const TRIP_A: Real = 50.0;
 
 /// Means over one switching period, and what one instant in it looked like.
 #[derive(Clone, Copy, Default)]
@@ -79,6 +73,8 @@ pub(super) struct Seen {
     pub averaged_nm: f64,
     pub current_a: [f64; 3],
     pub bus_a: f64,
+    /// The largest in the period.
+    pub largest_bus_a: f64,
 }
 
 /// Runs bridge and averaged machine side by side.
@@ -94,6 +90,7 @@ pub(super) fn run(drive: Drive, mut see: impl FnMut(u32, &Seen)) -> anyhow::Resu
     let dead_v = BUS_V * single(f64::from(drive.dead_steps) / f64::from(PERIOD));
     let lost_v = 4.0 / core::f32::consts::PI * (dead_v + DIODE_DROP_V);
     let mut given_v = ASKED_V;
+    let mut tripped = false;
     for period in 0..PERIODS {
         // What will be right in the middle of the period.
         let middle = turns + 0.5e-4 * pairs_per_rad * speed.get();
@@ -122,6 +119,9 @@ pub(super) fn run(drive: Drive, mut see: impl FnMut(u32, &Seen)) -> anyhow::Resu
             if drive.open_from.is_some_and(|from| period >= from) {
                 gates &= !0b10;
             }
+            if drive.shorted_from.is_some_and(|from| period >= from) {
+                gates = if tripped { 0b10 } else { gates | 0b10 };
+            }
             let k = PHASES.constants_nm_per_a(turns);
             let back_emf_v = [k.a, k.b, k.c].map(|k| k * speed.get());
             let mut values = [0.0; 10];
@@ -141,6 +141,8 @@ pub(super) fn run(drive: Drive, mut see: impl FnMut(u32, &Seen)) -> anyhow::Resu
             seen.torque_nm += share * f64::from(torque_nm);
             seen.averaged_nm += share * f64::from(mean.torque_nm);
             seen.bus_a -= share * f64::from(out.current_a[0]);
+            seen.largest_bus_a = seen.largest_bus_a.max(-f64::from(out.current_a[0]));
+            tripped |= -out.current_a[0] > TRIP_A;
             seen.current_a = [a, b, c].map(f64::from);
             (seen.speed_rad_s, seen.averaged_rad_s) = (speed.get().into(), mean.speed_rad_s.into());
         }
@@ -198,5 +200,24 @@ fn one_open(checks: &mut Checks) -> anyhow::Result<()> {
         }
     })?;
     checks.add(&t::ONE_OPEN, most_a / -least_a);
+    Ok(())
+}
+
+/// With its upper transistor shorted a leg shoots through once; then the machine brakes against it.
+fn one_shorted(checks: &mut Checks) -> anyhow::Result<()> {
+    let (mut into_a, mut out_of_a, mut largest_a) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let from = WITH_ONE_SHORTED.shorted_from.unwrap_or(0);
+    run(WITH_ONE_SHORTED, |period, seen| {
+        largest_a = largest_a.max(seen.largest_bus_a);
+        // What flowed before has died away after 5 ms.
+        if period >= from + 50 {
+            for phase_a in &seen.current_a[1..] {
+                (into_a, out_of_a) = (into_a.max(*phase_a), out_of_a.max(-phase_a));
+            }
+        }
+    })?;
+    checks.add(&t::ONE_SHORTED, into_a / out_of_a);
+    let through_a = f64::from((BUS_V - 2.0 * DIODE_DROP_V) / (2.0 * 0.01));
+    checks.against(&t::SHOOT_THROUGH, through_a, largest_a);
     Ok(())
 }

@@ -15,17 +15,13 @@ pub(super) const CASES: [Case; 3] = [
     Case { name: "circuit: buck converter", models: &["Circuit", "Converter"], run: buck },
 ];
 
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
-}
-
 /// 355 V through 40 Ω into 0.96 mF: `v = V·(1 − e^(−t/RC))`, by both methods.
 fn precharge(checks: &mut Checks) -> anyhow::Result<()> {
     const DT_S: f64 = 1e-4;
     const PRECHARGE: [Branch; 3] = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, Element::Resistor { ohm: 40.0 }),
-        branch(2, 0, Element::Capacitor { farad: 0.00096 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Resistor { ohm: 40.0 }),
+        Branch::new(2, 0, Element::Capacitor { farad: 0.00096 }),
     ];
     for (method, bound) in
         [(Method::BackwardEuler, &t::RC_EULER), (Method::Trapezoidal, &t::RC_TRAPEZOIDAL)]
@@ -49,9 +45,9 @@ fn precharge(checks: &mut Checks) -> anyhow::Result<()> {
 /// 1 mH, 10 µF and 2 Ω on a step of 10 V: `v_C = V·(1 − e^(−δt)·(cos ωt + δ/ω·sin ωt))`.
 fn resonance(checks: &mut Checks) -> anyhow::Result<()> {
     const SERIES: [Branch; 3] = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, Element::Coil { henry: 1e-3, ohm: 2.0 }),
-        branch(2, 0, Element::Capacitor { farad: 1e-5 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Coil { henry: 1e-3, ohm: 2.0 }),
+        Branch::new(2, 0, Element::Capacitor { farad: 1e-5 }),
     ];
     let (decay_per_s, rad_per_s) = (1000.0_f64, (1e8_f64 - 1e6).sqrt());
     let mut worst = [0.0_f64; 2];
@@ -80,10 +76,10 @@ fn buck(checks: &mut Checks) -> anyhow::Result<()> {
     const TRANSISTOR: Element =
         Element::Transistor { on_ohm: 0.01, off_ohm: 1e6, drop_v: 0.0, diode_drop_v: 0.7 };
     const LEG: [Branch; 4] = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, TRANSISTOR),
-        branch(2, 0, TRANSISTOR),
-        branch(2, 0, Element::Coil { henry: 1e-3, ohm: 0.49 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, TRANSISTOR),
+        Branch::new(2, 0, TRANSISTOR),
+        Branch::new(2, 0, Element::Coil { henry: 1e-3, ohm: 0.49 }),
     ];
     const TABLED: Result<Circuit<3, 4, { sources(&LEG) }, 4>, CircuitError> =
         Circuit::tabled(LEG, Method::BackwardEuler, must!(Dt::from_s(1e-6)));

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `parts`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `circuit`, `converters`, `bridge`, `parts`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -17,6 +17,7 @@ mod circuit;
 mod components;
 #[cfg_attr(not(test), expect(dead_code, reason = "for cases of several drives"))]
 mod composed;
+mod converters;
 mod drives;
 pub mod endurance;
 pub mod experiment;
@@ -202,6 +203,7 @@ fn cases() -> Vec<Case> {
     cases.extend(parts::CASES);
     cases.extend(link::CASES);
     cases.extend(circuit::CASES);
+    cases.extend(converters::CASES);
     cases.extend(bridge::CASES);
     cases.extend(battery_map::CASES);
     cases.extend(signals::CASES);

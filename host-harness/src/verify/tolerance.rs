@@ -51,9 +51,11 @@ impl Bound {
 }
 
 mod components;
+mod converters;
 mod machines;
 
 pub use components::*;
+pub use converters::*;
 pub use machines::*;
 
 use Within::{Absolute, AtMost, Factor, Relative, Shown};

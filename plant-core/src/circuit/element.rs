@@ -16,6 +16,14 @@ pub struct Branch {
     pub element: Element,
 }
 
+impl Branch {
+    /// An element between two nodes.
+    #[must_use]
+    pub const fn new(from: usize, to: usize, element: Element) -> Self {
+        Self { from, to, element }
+    }
+}
+
 /// What lies between two nodes. The value that an element takes in each step is its entry of
 /// [`CircuitInput::values`](super::CircuitInput::values).
 #[derive(Clone, Copy, Debug, PartialEq)]

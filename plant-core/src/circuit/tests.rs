@@ -1,28 +1,17 @@
 extern crate std;
 
 use super::*;
-use crate::must;
+use crate::{Dt, must};
 use std::format;
 
 const US: Dt = must!(Dt::from_s(1e-6));
-
-const fn branch(from: usize, to: usize, element: Element) -> Branch {
-    Branch { from, to, element }
-}
 
 const TRANSISTOR: Element =
     Element::Transistor { on_ohm: 0.005, off_ohm: 1e5, drop_v: 0.0, diode_drop_v: 0.8 };
 const DIODE: Element = Element::Diode { on_ohm: 0.005, off_ohm: 1e5, drop_v: 0.8 };
 
 /// 400 V; legs A and B; a coil with a back-EMF between them.
-const H_BRIDGE: [Branch; 6] = [
-    branch(1, 0, Element::Voltage),
-    branch(1, 2, TRANSISTOR),
-    branch(2, 0, TRANSISTOR),
-    branch(1, 3, TRANSISTOR),
-    branch(3, 0, TRANSISTOR),
-    branch(2, 3, Element::Coil { henry: 1e-3, ohm: 1.0 }),
-];
+const H_BRIDGE: [Branch; 6] = h_bridge(TRANSISTOR, Element::Coil { henry: 1e-3, ohm: 1.0 });
 
 #[test]
 fn a_table_gives_what_solving_gives() {
@@ -74,9 +63,9 @@ fn power_balances_and_what_euler_swallows_is_named() {
 #[test]
 fn a_series_circuit_rings_as_it_should() {
     const RLC: [Branch; 3] = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, Element::Coil { henry: 1e-3, ohm: 2.0 }),
-        branch(2, 0, Element::Capacitor { farad: 1e-5 }),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Coil { henry: 1e-3, ohm: 2.0 }),
+        Branch::new(2, 0, Element::Capacitor { farad: 1e-5 }),
     ];
     const RULE: Circuit<3, 3> = must!(Circuit::new(RLC, Method::Trapezoidal, US));
     const EULER: Circuit<3, 3> = must!(Circuit::new(RLC, Method::BackwardEuler, US));
@@ -101,13 +90,13 @@ fn a_series_circuit_rings_as_it_should() {
 #[test]
 fn a_rectifier_charges_and_holds() {
     const RECTIFIER: [Branch; 7] = [
-        branch(1, 2, Element::Voltage),
-        branch(1, 3, DIODE),
-        branch(2, 3, DIODE),
-        branch(0, 1, DIODE),
-        branch(0, 2, DIODE),
-        branch(3, 0, Element::Capacitor { farad: 1e-3 }),
-        branch(3, 0, Element::Resistor { ohm: 100.0 }),
+        Branch::new(1, 2, Element::Voltage),
+        Branch::new(1, 3, DIODE),
+        Branch::new(2, 3, DIODE),
+        Branch::new(0, 1, DIODE),
+        Branch::new(0, 2, DIODE),
+        Branch::new(3, 0, Element::Capacitor { farad: 1e-3 }),
+        Branch::new(3, 0, Element::Resistor { ohm: 100.0 }),
     ];
     const CIRCUIT: Circuit<4, 7> =
         must!(Circuit::new(RECTIFIER, Method::BackwardEuler, must!(Dt::from_s(5e-5))));
@@ -131,9 +120,9 @@ fn a_rectifier_charges_and_holds() {
 #[test]
 fn a_junction_lies_on_its_curve() {
     const CLAMP: [Branch; 3] = [
-        branch(1, 0, Element::Voltage),
-        branch(1, 2, Element::Resistor { ohm: 100.0 }),
-        branch(2, 0, Element::JUNCTION),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Resistor { ohm: 100.0 }),
+        Branch::new(2, 0, Element::JUNCTION),
     ];
     const CIRCUIT: Circuit<3, 3> = must!(Circuit::new(CLAMP, Method::BackwardEuler, US));
     for source in [-5.0, 0.0, 0.3, 5.0, 100.0, 1e4] {
@@ -164,12 +153,12 @@ fn an_inverter_inverts() {
         modulation_per_v: 0.0,
     };
     const INVERTER: [Branch; 5] = [
-        branch(1, 0, Element::Voltage),
-        branch(2, 0, Element::Voltage),
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(2, 0, Element::Voltage),
         // Drain at the output, source at the supply: its voltage and current are negative.
-        branch(3, 1, P),
-        branch(3, 0, N),
-        branch(3, 0, Element::Capacitor { farad: 1e-9 }),
+        Branch::new(3, 1, P),
+        Branch::new(3, 0, N),
+        Branch::new(3, 0, Element::Capacitor { farad: 1e-9 }),
     ];
     const CIRCUIT: Circuit<4, 5> = must!(Circuit::new(INVERTER, Method::BackwardEuler, US));
     for (input, output) in [(0.0, 10.0), (10.0, 0.0), (2.0, 10.0), (8.5, 0.0)] {
@@ -190,27 +179,31 @@ fn says_why_a_circuit_is_refused() {
     let v = Element::Voltage;
     for (branches, error, text) in [
         (
-            [branch(1, 0, v), branch(1, 0, OHM), branch(1, 0, OHM)],
+            [Branch::new(1, 0, v), Branch::new(1, 0, OHM), Branch::new(1, 0, OHM)],
             CircuitError::Floating(2),
             "node is tied to the others by nothing but sources of current (2)",
         ),
         (
-            [branch(1, 0, v), branch(2, 0, v), branch(1, 2, v)],
+            [Branch::new(1, 0, v), Branch::new(2, 0, v), Branch::new(1, 2, v)],
             CircuitError::SourceLoop(2),
             "element closes a loop of voltage sources (2)",
         ),
         (
-            [branch(1, 0, v), branch(1, 3, OHM), branch(2, 0, OHM)],
+            [Branch::new(1, 0, v), Branch::new(1, 3, OHM), Branch::new(2, 0, OHM)],
             CircuitError::NoSuchNode(1),
             "element names a node that the circuit does not have (1)",
         ),
         (
-            [branch(1, 0, v), branch(1, 2, OHM), branch(2, 2, OHM)],
+            [Branch::new(1, 0, v), Branch::new(1, 2, OHM), Branch::new(2, 2, OHM)],
             CircuitError::Shorted(2),
             "element has both ends at the same node (2)",
         ),
         (
-            [branch(1, 0, v), branch(1, 2, Element::Resistor { ohm: 0.0 }), branch(2, 0, OHM)],
+            [
+                Branch::new(1, 0, v),
+                Branch::new(1, 2, Element::Resistor { ohm: 0.0 }),
+                Branch::new(2, 0, OHM),
+            ],
             CircuitError::Element(1, crate::ParamError::NotPositive("resistor.ohm")),
             "resistor.ohm must be finite and between 1e-12 and 1e12 (1)",
         ),

@@ -3,7 +3,7 @@
 use super::Role::{Reference, Simulated};
 use super::{Experiment, Panel, Record, checks, line};
 use crate::verify::Check;
-use crate::verify::bridge::{CASES, Drive, WITH_DEAD_TIME, WITH_ONE_OPEN, run};
+use crate::verify::bridge::{CASES, Drive, WITH_DEAD_TIME, WITH_ONE_OPEN, WITH_ONE_SHORTED, run};
 
 pub(super) const START: Experiment = Experiment {
     name: "bridge-start",
@@ -17,6 +17,13 @@ pub(super) const OPEN: Experiment = Experiment {
     title: "the same bridge, and from 75 ms on its first transistor does not close",
     source: "EPowertrain2025, PMSM with its defaults; 300 V, 10 kHz and 2 µs chosen here",
     run: || record(2, WITH_ONE_OPEN),
+};
+
+pub(super) const SHORTED: Experiment = Experiment {
+    name: "bridge-shorted-transistor",
+    title: "the same bridge, and from 75 ms on its first transistor conducts for good",
+    source: "EPowertrain2025, PMSM with its defaults; 300 V, 10 kHz and 2 µs chosen here",
+    run: || record(3, WITH_ONE_SHORTED),
 };
 
 const PANELS: &[Panel] = &[

@@ -1,10 +1,11 @@
-//! `voltstep experiment`: the experiments of the reference system, each with its figures beside
+//! `voltstep experiment`: the experiments of the reference system and of circuits, each with its figures beside
 //! what was published, and what happened over time.
 //!
 //! The runs themselves are those of the cases beside this folder.
 
 mod bench;
 mod bridge;
+mod converters;
 mod motor;
 mod pmsm;
 mod udds;
@@ -33,8 +34,13 @@ pub const EXPERIMENTS: &[Experiment] = &[
     udds::ENERGY,
     pmsm::START,
     pmsm::WEAKENING,
+    converters::PRECHARGE,
+    converters::BUCK_CONVERTER,
+    converters::BOOST_CONVERTER,
+    converters::H_BRIDGE,
     bridge::START,
     bridge::OPEN,
+    bridge::SHORTED,
 ];
 
 /// What an experiment came to.

@@ -253,3 +253,17 @@ pub const ONE_OPEN: Bound = Bound::new(
     CLOSED,
     "what is left flows through the lower diode while the back-EMF drives it",
 );
+pub const ONE_SHORTED: Bound = Bound::new(
+    "largest current into the healthy phases over that out of them",
+    None,
+    AtMost(0.05),
+    CLOSED,
+    "with all gates off only their upper diodes conduct, out of the machine",
+);
+pub const SHOOT_THROUGH: Bound = Bound::new(
+    "largest current of the source [A]",
+    None,
+    Relative(0.01),
+    CLOSED,
+    "the phase current beside it",
+);
