@@ -16,6 +16,7 @@ mod experiment;
 mod identify;
 mod identify_vehicle;
 mod list;
+mod out;
 mod replay;
 mod rewind;
 mod serve;
