@@ -28,6 +28,7 @@ mod parts;
 mod paths;
 mod qemu;
 mod report;
+mod screenshot;
 mod shell;
 
 use std::process::ExitCode;

@@ -83,6 +83,7 @@ pub const LONG: &[Part] = &[
     ),
     part("presets", "writes the batteries of plant-core from their files", generate::presets),
     part("trip", "writes the synthetic trip and its true parameters", generate::trip),
+    part("screenshot", "draws the report of a trip for the book", crate::screenshot::screenshot),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
@@ -261,17 +262,13 @@ fn validate() -> Result<()> {
     run(&mut command)
 }
 
-/// The folder holds a summary, a trace and a report, none of them empty.
+/// The folder holds a summary, a trace and both reports, none of them empty.
 fn check_replay(out: &Path) -> Result<()> {
     let entries = fs::read_dir(out)
         .with_context(|| format!("the replay left no folder {}", out.display()))?
         .collect::<std::io::Result<Vec<_>>>()?;
-    for wanted in ["summary.json", "trace.csv", "report."] {
-        let found = entries.iter().find(|entry| {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            name == wanted || (wanted.ends_with('.') && name.starts_with(wanted))
-        });
+    for wanted in ["summary.json", "trace.csv", "report.html", "report.svg"] {
+        let found = entries.iter().find(|entry| entry.file_name() == wanted);
         let Some(file) = found else { bail!("the replay wrote no `{wanted}`") };
         if file.metadata()?.len() == 0 {
             bail!("the replay left {} empty", file.file_name().to_string_lossy());
@@ -308,13 +305,13 @@ mod tests {
     }
 
     #[test]
-    fn a_replay_needs_its_three_files() {
+    fn a_replay_needs_its_four_files() {
         let out = std::env::temp_dir().join(format!("voltstep-xtask-{}", std::process::id()));
         assert!(check_replay(&out).is_err());
         fs::create_dir_all(&out).unwrap();
-        for name in ["summary.json", "trace.csv", "report.html"] {
+        for name in ["summary.json", "trace.csv", "report.html", "report.svg"] {
             let error = check_replay(&out).unwrap_err().to_string();
-            assert!(name.starts_with(error.split('`').nth(1).unwrap()), "{error}");
+            assert_eq!(Some(name), error.split('`').nth(1), "{error}");
             fs::write(out.join(name), "text").unwrap();
         }
         check_replay(&out).unwrap();

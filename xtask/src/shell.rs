@@ -13,6 +13,7 @@ pub const TOOLS: &[(&str, &str)] = &[
     ("arm-none-eabi-nm", "gcc-arm-none-eabi"),
     ("arm-none-eabi-size", "gcc-arm-none-eabi"),
     ("ngspice", "ngspice"),
+    ("chromium", "chromium"),
     ("cc", "gcc"),
 ];
 

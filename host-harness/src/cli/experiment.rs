@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::show::{self, experiment, files};
+use crate::show::report::run as report;
+use crate::show::{self, experiment, files, plot};
 use crate::verify::experiment::by_name;
 
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Which one; without a name they are listed
     name: Option<String>,
-    /// Folder for summary.json, trace.csv and report.svg [default: out/<name>/]
+    /// Folder for report.html, report.svg, summary.json and trace.csv [default: out/<name>/]
     #[arg(long, value_name = "DIR", requires = "name")]
     out: Option<PathBuf>,
     /// Print summary.json on standard output instead of the table
@@ -28,22 +29,26 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
         super::print(&experiment::list())?;
         return Ok(true);
     };
-    let outcome = by_name(&name)?.run()?;
+    let experiment = by_name(&name)?;
+    let folder = arguments.out.unwrap_or_else(|| Path::new("out").join(experiment.name));
+    files::check(&folder, &FILES)?;
+    let outcome = experiment.run()?;
     let summary = show::json(&outcome)?;
-    let folder = arguments.out.unwrap_or_else(|| Path::new("out").join(outcome.name));
-    files::write_all(
-        &folder,
-        &[
-            ("summary.json", summary.clone().into_bytes()),
-            ("trace.csv", experiment::csv(&outcome)?),
-            ("report.svg", experiment::sheet(&outcome)?.into_bytes()),
-        ],
-    )?;
+    let contents = [
+        report::experiment(&outcome)?,
+        plot::render(&experiment::sheet(&outcome))?.into_bytes(),
+        summary.clone().into_bytes(),
+        experiment::csv(&outcome)?,
+    ];
+    files::write_all(&folder, &FILES.into_iter().zip(contents).collect::<Vec<_>>())?;
     super::print(&if arguments.json {
         summary
     } else {
         let (table, folder) = (experiment::render(&outcome), folder.display());
-        format!("{table}summary.json, trace.csv and report.svg are in {folder}\n")
+        format!("{table}report.html, report.svg, summary.json and trace.csv are in {folder}\n")
     })?;
     Ok(outcome.is_good())
 }
+
+/// What is left in the folder.
+const FILES: [&str; 4] = ["report.html", "report.svg", "summary.json", "trace.csv"];

@@ -17,6 +17,7 @@ mod experiment;
 mod identify;
 mod identify_vehicle;
 mod list;
+mod out;
 mod replay;
 mod rewind;
 mod serve;

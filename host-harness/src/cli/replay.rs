@@ -9,7 +9,8 @@ use clap::Args;
 use crate::read::input::{self, Drive};
 use crate::read::vehicle;
 use crate::show::progress::Bar;
-use crate::show::{self, files, sheet, summary, trace};
+use crate::show::report::run::{self as report, Parameters};
+use crate::show::{self, files, plot, sheet, summary, trace};
 use crate::simulate::mode::Mode;
 use crate::simulate::replay::{self, DEFAULT_STEP_S, DEFAULT_VEHICLE, Options, Replay};
 
@@ -30,7 +31,7 @@ pub struct Arguments {
     /// Length of a step in milliseconds; a longer one than the default is compared with it
     #[arg(long, value_name = "MS", default_value_t = 1000.0 * DEFAULT_STEP_S, allow_negative_numbers = true)]
     dt_ms: f64,
-    /// Folder for summary.json, trace.csv and report.svg [default: out/<name>/]
+    /// Folder for report.html, report.svg, summary.json and trace.csv [default: out/<name>/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print summary.json on standard output instead of the table
@@ -48,7 +49,7 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     let Arguments { input, vehicle, mode, dt_ms, out, json, no_ledger } = arguments;
     let options = Options { mode, dt_s: super::step_s(dt_ms)?, ledger: !no_ledger };
-    let vehicle = vehicle::load(&vehicle)?;
+    let (vehicle, texts) = vehicle::load_with_texts(&vehicle)?;
     let drive = input::drive(&input)?;
     if let (Drive::Cycle(cycle), Mode::Battery) = (&drive, mode) {
         bail!(
@@ -56,26 +57,30 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
             cycle.name
         );
     }
+    let folder = out.unwrap_or_else(|| Path::new("out").join(drive.name()));
+    files::check(&folder, &FILES)?;
     let replay = replay::replay(&vehicle, drive, options, &Bar::new(SHOW_PROGRESS_AFTER))?;
-    let folder = write(&replay, out)?;
+    write(&replay, &Parameters { vehicle: &vehicle, files: &texts }, &folder)?;
     super::print(&if json {
         show::json(&replay.summary)?
     } else {
         let (table, folder) = (summary::render(&replay.summary), folder.display());
-        format!("{table}\nsummary.json, trace.csv and report.svg are in {folder}\n")
+        format!("{table}\nreport.html, report.svg, summary.json and trace.csv are in {folder}\n")
     })?;
     Ok(true)
 }
 
-/// Writes summary, trace and plot sheet into `folder`, by default `out/<name>/`; all of them or
-/// none. Gives the folder.
-fn write(replay: &Replay, folder: Option<PathBuf>) -> anyhow::Result<PathBuf> {
-    let folder = folder.unwrap_or_else(|| Path::new("out").join(&replay.summary.input));
-    let files = [
-        ("summary.json", show::json(&replay.summary)?.into_bytes()),
-        ("trace.csv", trace::csv(&replay.run, replay.trip.as_ref())?),
-        ("report.svg", sheet::render(replay)?.into_bytes()),
+/// What is left in the folder.
+const FILES: [&str; 4] = ["report.html", "report.svg", "summary.json", "trace.csv"];
+
+/// Writes report, plot sheet, summary and trace into `folder`; all of them or none.
+fn write(replay: &Replay, parameters: &Parameters<'_>, folder: &Path) -> anyhow::Result<()> {
+    let contents = [
+        report::replay(replay, parameters)?,
+        plot::render(&sheet::of(replay))?.into_bytes(),
+        show::json(&replay.summary)?.into_bytes(),
+        trace::csv(&replay.run, replay.trip.as_ref())?,
     ];
-    files::write_all(&folder, &files)?;
-    Ok(folder)
+    let files: Vec<_> = FILES.into_iter().zip(contents).collect();
+    files::write_all(folder, &files)
 }

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use clap::Args;
 
-use crate::evaluate::estimators::{self, Case, Estimator, Options, honesty};
+use super::out::Out;
+use crate::evaluate::estimators::{self, Case, Estimator, EstimatorRun, Options, honesty};
 use crate::show;
+use crate::show::report::{folder as overview, run as report};
 
 #[derive(Args, Debug)]
 pub struct Arguments {
@@ -33,6 +35,9 @@ pub struct Arguments {
     /// Run the standard set of wrong starts, biases, noise, resistances and capacities
     #[arg(long, conflicts_with_all = ["initial_soc_error", "current_bias_a"])]
     matrix: bool,
+    /// Folder for an overview, report.html, with a report of each run
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Print JSON instead of the table
     #[arg(long)]
     json: bool,
@@ -44,16 +49,20 @@ pub struct Arguments {
 /// Bad input, a figure out of its range.
 pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     let Arguments { files, cell, estimator, rate_hz, matrix, json, .. } = arguments;
-    let Arguments { initial_soc_error, current_bias_a, .. } = arguments;
+    let Arguments { initial_soc_error, current_bias_a, out, .. } = arguments;
     ensure!(
         (-1.0..=1.0).contains(&initial_soc_error),
         "--initial-soc-error {initial_soc_error}: must lie in -1..1"
     );
     ensure!(current_bias_a.is_finite(), "--current-bias-a {current_bias_a}: must be finite");
     ensure!((0.01..=1000.0).contains(&rate_hz), "--rate-hz {rate_hz}: must lie in 0.01..1000");
+    let out = Out::new(out)?;
     if files.is_empty() {
         let report = honesty::Report::of(honesty::SEEDS);
-        super::print(&if json { show::json(&report)? } else { show::honesty::render(&report) })?;
+        let json_text = show::json(&report)?;
+        let written = out.publish(|| overview::honesty(&report), &json_text)?;
+        let text = if json { json_text } else { show::honesty::render(&report) + &written };
+        super::print(&text)?;
         return Ok(report.is_honest());
     }
     let cases = if matrix {
@@ -61,8 +70,15 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     } else {
         vec![Case::wrong(initial_soc_error, current_bias_a)]
     };
-    let report = estimators::run(&files, &Options { cell, estimator, rate_hz, cases })?;
-    super::print(&if json { show::json(&report)? } else { show::estimators::render(&report) })?;
+    let keep = |place, run: &EstimatorRun, trace| {
+        out.put(&overview::of_run(place, &run.name), || report::estimator(run, trace))
+    };
+    let options = Options { cell, estimator, rate_hz, cases };
+    let report = estimators::run_keeping(&files, &options, out.keep(&keep))?;
+    let json_text = show::json(&report)?;
+    let written = out.publish(|| overview::estimators(&report), &json_text)?;
+    let text = if json { json_text } else { show::estimators::render(&report) + &written };
+    super::print(&text)?;
     Ok(!matrix || report.is_honest())
 }
 

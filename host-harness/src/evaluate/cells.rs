@@ -57,6 +57,24 @@ pub struct CellsReport {
     pub wall_s: f64,
 }
 
+/// A cell beside its measurement, sample by sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellTrace {
+    /// Time from the start \[s\].
+    pub time_s: Vec<f64>,
+    /// Measured current, positive when discharging \[A\].
+    pub current_a: Vec<f64>,
+    /// Measured and simulated voltage \[V\].
+    pub voltage_v: [Vec<f64>; 2],
+    /// Measured temperature, and that of the thermal node \[°C\]; the latter empty where there is none.
+    pub temperature_c: [Vec<f64>; 2],
+    /// State of charge by the bench's counter, 0..1.
+    pub soc: Vec<f64>,
+}
+
+/// Takes each row with what happened, in any order.
+pub type Keep<'a> = &'a (dyn Fn(&CellRow, CellTrace) -> anyhow::Result<()> + Sync);
+
 type Figure = (&'static str, fn(&CellRow) -> Option<f64>);
 
 const FIGURES: [Figure; 4] = [
@@ -71,13 +89,33 @@ const FIGURES: [Figure; 4] = [
 /// # Errors
 /// A folder without cell files, a file that is none.
 pub fn run(folder: &Path, cell: &BatteryFile, dt_s: f64) -> anyhow::Result<CellsReport> {
+    run_keeping(folder, cell, dt_s, None)
+}
+
+/// As [`run`]; what happened may be kept.
+///
+/// # Errors
+/// As [`run`]; what `keep` refuses.
+pub fn run_keeping(
+    folder: &Path,
+    cell: &BatteryFile,
+    dt_s: f64,
+    keep: Option<Keep<'_>>,
+) -> anyhow::Result<CellsReport> {
     let started = std::time::Instant::now();
     let found: anyhow::Result<Vec<Result<CellRow, String>>> = input::csv_files(folder)?
         .par_iter()
         .map(|path| {
             let record = input::cell(path)?;
             match record.kind(f64::from(cell.battery.capacity_ah)) {
-                (Kind::Cycle, _) => Ok(Ok(row(cell, &record, dt_s)?)),
+                (Kind::Cycle, _) => {
+                    let mut trace = keep.map(|_| CellTrace::default());
+                    let row = row(cell, &record, dt_s, trace.as_mut())?;
+                    if let (Some(keep), Some(trace)) = (keep, trace) {
+                        keep(&row, trace)?;
+                    }
+                    Ok(Ok(row))
+                }
                 (_, why) => Ok(Err(format!("{}: {why}", record.name))),
             }
         })
@@ -118,7 +156,12 @@ impl Squares {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the model computes in f32")]
-fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<CellRow> {
+fn row(
+    cell: &BatteryFile,
+    record: &CellRecord,
+    dt_s: f64,
+    mut trace: Option<&mut CellTrace>,
+) -> anyhow::Result<CellRow> {
     let battery = MappedBattery::new(cell.battery, Dt::from_s(dt_s as f32)?)?;
     let capacity_ah = f64::from(cell.battery.capacity_ah);
     let first_c = record.cell_c.first().copied().context("an empty record")?;
@@ -142,6 +185,7 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Cel
     let (mut told, mut alone) = (start, start);
     alone.ambient_c = ambient_c as f32;
 
+    let has_node = cell.battery.thermal.heat_capacity_j_per_k.is_finite();
     let current_a = record.delayed_a(cell.current_delay_s);
     let mut squares = [Squares::default(), Squares::default(), Squares::default()];
     let mut warmth = Squares::default();
@@ -174,6 +218,17 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Cel
             }
         }
         warmth.add(f64::from(free.temperature_c) - record.cell_c[i]);
+        if let Some(trace) = trace.as_mut() {
+            trace.time_s.push(record.time_s[i] - start_s);
+            trace.current_a.push(amps);
+            trace.soc.push(soc);
+            trace.voltage_v[0].push(record.voltage_v[i]);
+            trace.voltage_v[1].push(f64::from(out.terminal_v));
+            trace.temperature_c[0].push(record.cell_c[i]);
+            if has_node {
+                trace.temperature_c[1].push(f64::from(free.temperature_c));
+            }
+        }
     }
     if outside > 0 {
         #[expect(clippy::cast_precision_loss, reason = "a count")]
@@ -183,7 +238,6 @@ fn row(cell: &BatteryFile, record: &CellRecord, dt_s: f64) -> anyhow::Result<Cel
     if refused_c > 0.0 {
         notes.push("the cell's current limits refused part of the measured current".to_owned());
     }
-    let has_node = cell.battery.thermal.heat_capacity_j_per_k.is_finite();
     Ok(CellRow {
         name: record.name.clone(),
         ambient_c,

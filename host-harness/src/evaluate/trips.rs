@@ -12,7 +12,7 @@ use crate::read::trip::Trip;
 use crate::read::vehicle::Vehicle;
 use crate::simulate::mode::Mode;
 use crate::simulate::progress::Unseen;
-use crate::simulate::replay::{self, Options};
+use crate::simulate::replay::{self, Options, Replay};
 use crate::simulate::statistics::{Spread, Spreads, spread};
 
 /// How far one trip in one mode is from its measurement.
@@ -82,15 +82,31 @@ const FIGURES: [Figure; 7] = [
     ("speed_error_rms_m_s", |r| r.speed_error_rms_m_s),
 ];
 
+/// Takes each finished replay, with its energy ledger, in any order.
+pub type Keep<'a> = &'a (dyn Fn(&Replay) -> anyhow::Result<()> + Sync);
+
 /// Runs a vehicle on every trip of a folder, in both modes, in steps of `dt_s`.
 ///
 /// # Errors
 /// A folder without trips, a file that is none, a run that diverged.
 pub fn run(folder: &Path, vehicle: &Vehicle, dt_s: f64) -> anyhow::Result<TripsReport> {
+    run_keeping(folder, vehicle, dt_s, None)
+}
+
+/// As [`run`]; each replay may be kept.
+///
+/// # Errors
+/// As [`run`]; what `keep` refuses.
+pub fn run_keeping(
+    folder: &Path,
+    vehicle: &Vehicle,
+    dt_s: f64,
+    keep: Option<Keep<'_>>,
+) -> anyhow::Result<TripsReport> {
     let started = std::time::Instant::now();
     let found: anyhow::Result<Vec<[TripRow; 2]>> = input::csv_files(folder)?
         .par_iter()
-        .map(|path| both_modes(vehicle, &input::trip(path)?, dt_s))
+        .map(|path| both_modes(vehicle, &input::trip(path)?, dt_s, keep))
         .collect();
     let trips: Vec<TripRow> = found?.into_iter().flatten().collect();
     let summary = by_mode(&trips, |r| r.counts);
@@ -105,18 +121,32 @@ pub fn run(folder: &Path, vehicle: &Vehicle, dt_s: f64) -> anyhow::Result<TripsR
     })
 }
 
-fn both_modes(vehicle: &Vehicle, trip: &Trip, dt_s: f64) -> anyhow::Result<[TripRow; 2]> {
+fn both_modes(
+    vehicle: &Vehicle,
+    trip: &Trip,
+    dt_s: f64,
+    keep: Option<Keep<'_>>,
+) -> anyhow::Result<[TripRow; 2]> {
     let (battery, whole) = rayon::join(
-        || row(vehicle, trip, Mode::Battery, dt_s),
-        || row(vehicle, trip, Mode::Vehicle, dt_s),
+        || row(vehicle, trip, Mode::Battery, dt_s, keep),
+        || row(vehicle, trip, Mode::Vehicle, dt_s, keep),
     );
     Ok([battery?, whole?])
 }
 
-fn row(vehicle: &Vehicle, trip: &Trip, mode: Mode, dt_s: f64) -> anyhow::Result<TripRow> {
-    let options = Options { mode, dt_s, ledger: false };
+fn row(
+    vehicle: &Vehicle,
+    trip: &Trip,
+    mode: Mode,
+    dt_s: f64,
+    keep: Option<Keep<'_>>,
+) -> anyhow::Result<TripRow> {
+    let options = Options { mode, dt_s, ledger: keep.is_some() };
     let replay = replay::of_trip(vehicle.clone(), trip.clone(), options, &Unseen)
         .with_context(|| format!("{} in {} mode", trip.name, mode.name()))?;
+    if let Some(keep) = keep {
+        keep(&replay)?;
+    }
     let summary = replay.summary;
     let error = summary.error.context("no comparison")?;
     let marked = trip.marked(f64::from(vehicle.powertrain.battery.capacity_ah()));

@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 
 use crate::read::builtin::BuiltIn;
 use crate::read::document::{CHECK_DT, Document};
-use crate::read::error::InputError;
+use crate::read::error::{self, InputError};
 use crate::read::recognise::FileKind;
 
 /// Every built-in battery.
@@ -77,6 +77,14 @@ pub fn builtin() -> Vec<BatteryFile> {
 /// [`InputError`] says what is wrong and where.
 pub fn load(name_or_path: &str) -> Result<BatteryFile, InputError> {
     BUILT_IN.load(name_or_path, parse)
+}
+
+/// The text of a battery's file, built in or not.
+///
+/// # Errors
+/// As [`load`].
+pub fn text(name_or_path: &str) -> Result<String, InputError> {
+    BUILT_IN.load(name_or_path, |file, bytes| Ok(error::text(file, bytes)?.to_owned()))
 }
 
 /// A battery from the bytes of a file; `file` is for messages.

@@ -19,6 +19,17 @@ pub enum Drive {
     Trip(Box<Trip>),
 }
 
+impl Drive {
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Cycle(cycle) => &cycle.name,
+            Self::Trip(trip) => &trip.name,
+        }
+    }
+}
+
 /// What was measured of a battery.
 #[derive(Clone, Debug)]
 pub enum Measurement {

@@ -279,6 +279,24 @@ pub fn text(name_or_path: &str) -> Result<(String, String), InputError> {
     })
 }
 
+/// As [`load`], with what the parameters were read from: the text of the vehicle's file and, where it
+/// names one, of its battery's, each with what it is.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with_texts(name_or_path: &str) -> Result<(Vehicle, Vec<(String, String)>), InputError> {
+    let (file, text) = text(name_or_path)?;
+    let vehicle = parse(&file, text.as_bytes())?;
+    let table: Option<toml::Table> = toml::from_str(&text).ok();
+    let battery = table.and_then(|t| t.get("battery")?.as_str().map(str::to_owned));
+    let mut texts = vec![(format!("Vehicle {}", vehicle.name), text)];
+    if let Some(name) = battery {
+        let text = battery::text(&battery_of(&file, &name))?;
+        texts.push((format!("Battery {name}"), text));
+    }
+    Ok((vehicle, texts))
+}
+
 /// A vehicle from the bytes of a file; `file` is for messages.
 ///
 /// # Errors
@@ -360,6 +378,15 @@ fn drives(document: &Document<'_>, content: &mut VehicleFile) -> Result<VehicleD
     Ok(VehicleDrives(found))
 }
 
+/// A built-in battery, or the file beside a vehicle's.
+fn battery_of(vehicle_file: &str, name: &str) -> String {
+    if is_toml(name) {
+        Path::new(vehicle_file).with_file_name(name).to_string_lossy().into_owned()
+    } else {
+        name.to_owned()
+    }
+}
+
 /// The battery that a vehicle's file says it has.
 fn chosen(
     document: &Document<'_>,
@@ -370,15 +397,12 @@ fn chosen(
         BatteryField::Inline(battery) => return Ok(VehicleBattery::Constant(*battery)),
         BatteryField::Named(name) => name,
     };
-    let found = if is_toml(&name) {
-        battery::load(&Path::new(vehicle_file).with_file_name(name).to_string_lossy())
-    } else {
-        battery::load(&name)
-    };
-    found.map(|found| VehicleBattery::Mapped(found.battery)).map_err(|error| {
-        let place = document.refusal("battery", "cannot be used");
-        InputError { message: format!("{}: {error}", place.message), ..place }
-    })
+    battery::load(&battery_of(vehicle_file, &name))
+        .map(|found| VehicleBattery::Mapped(found.battery))
+        .map_err(|error| {
+            let place = document.refusal("battery", "cannot be used");
+            InputError { message: format!("{}: {error}", place.message), ..place }
+        })
 }
 
 /// Whether the models take the parameters; else what they refuse, and of which drive.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use crate::evaluate::campaign::{Fault, Judged, Report, Verdict};
 use crate::show::table::table;
 
-const VERDICTS: [(Verdict, &str); 6] = [
+/// What became of a case, in words.
+pub const VERDICTS: [(Verdict, &str); 6] = [
     (Verdict::InTime, "opened in time"),
     (Verdict::Noticed, "noticed"),
     (Verdict::Harmless, "harmless"),

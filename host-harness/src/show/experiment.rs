@@ -1,6 +1,6 @@
 //! An experiment: its figures on a terminal, its plot sheet, its trace.
 
-use crate::show::plot::{Bar, Kind, Panel, Series, Sheet, render as draw};
+use crate::show::plot::{Bar, Kind, Panel, Series, Sheet};
 use crate::show::trace::number;
 use crate::show::validation::figures;
 use crate::verify::experiment::{EXPERIMENTS, Outcome, Role};
@@ -21,26 +21,25 @@ pub fn render(outcome: &Outcome) -> String {
     format!("{name}: {title}\n{source}\n{table}\n{notes}")
 }
 
-/// The plot sheet as SVG.
-pub fn sheet(outcome: &Outcome) -> anyhow::Result<String> {
+/// The plots, what they are called above them and the energy below.
+pub fn sheet(outcome: &Outcome) -> Sheet {
     let record = &outcome.record;
     let mut columns = record.columns.iter();
     let panels = record.panels.iter().map(|panel| Panel {
         title: panel.title.into(),
         unit: panel.unit.into(),
         series: (panel.lines.iter().zip(columns.by_ref()))
-            .map(|(line, values)| Series {
-                name: line.label.into(),
-                values: values.clone(),
-                kind: match line.role {
+            .map(|(line, values)| {
+                let kind = match line.role {
                     Role::Reference => Kind::Reference,
                     Role::Measured => Kind::Measured,
                     Role::Simulated => Kind::Simulated,
-                },
+                };
+                Series::new(line.label, kind, values.clone())
             })
             .collect(),
     });
-    draw(&Sheet {
+    Sheet {
         title: format!("{} · {}", outcome.name, outcome.title),
         subtitle: vec![outcome.source.to_owned()],
         time_s: record.time_s.clone(),
@@ -50,7 +49,7 @@ pub fn sheet(outcome: &Outcome) -> anyhow::Result<String> {
         bars: (record.energy.iter())
             .map(|(name, value)| Bar { name: name.clone(), value: *value })
             .collect(),
-    })
+    }
 }
 
 /// The trace as CSV; a missing value is empty.

@@ -1,25 +1,27 @@
-//! What the plot sheet of a replay shows.
+//! What the plots of a replay show.
 
 use crate::read::trip::Trip;
-use crate::show::plot::{Bar, Kind, Panel, Series, Sheet, render as draw};
+use crate::show::plot::{Bar, Kind, Panel, Series, Sheet};
 use crate::simulate::figures::J_PER_KWH;
 use crate::simulate::mode::Replayed;
 use crate::simulate::replay::Replay;
-use crate::simulate::run::TraceRow;
+use crate::simulate::run::{Extremes, TraceRow};
 
-/// The plot sheet as SVG.
-pub fn render(replay: &Replay) -> anyhow::Result<String> {
+/// The plots of a replay, its key figures above them and its energy below.
+pub fn of(replay: &Replay) -> Sheet {
     let summary = &replay.summary;
     let trace = &replay.run.trace;
     let ours = |pick: fn(&TraceRow) -> f32| {
         let values = trace.iter().map(|r| f64::from(pick(r))).collect();
-        Series { name: "simulated".into(), values, kind: Kind::Simulated }
+        Series::new("simulated", Kind::Simulated, values)
+    };
+    let stepped = |pick: fn(&TraceRow) -> f32, extremes: fn(&Extremes) -> (f32, f32)| {
+        let both = |(low, high): (f32, f32)| (f64::from(low), f64::from(high));
+        let extremes = trace.iter().map(|r| both(extremes(&r.extremes))).collect();
+        Series { extremes, ..ours(pick) }
     };
     let measured = |pick: fn(&Trip) -> &Vec<f64>| {
-        replay.trip.as_ref().map(|trip| {
-            let values = pick(trip).clone();
-            Series { name: "measured".into(), values, kind: Kind::Measured }
-        })
+        replay.trip.as_ref().map(|trip| Series::new("measured", Kind::Measured, pick(trip).clone()))
     };
     let panel = |title: &str, unit: &str, series: Vec<Series>| Panel {
         title: title.into(),
@@ -36,18 +38,15 @@ pub fn render(replay: &Replay) -> anyhow::Result<String> {
 
     let mut panels = Vec::new();
     if summary.mode != Replayed::Battery {
-        let reference = Series {
-            name: "reference".into(),
-            values: kmh(|r| r.reference_m_s),
-            kind: Kind::Reference,
+        let (name, kind) = match replay.trip {
+            Some(_) => ("measured", Kind::Measured),
+            None => ("reference", Kind::Reference),
         };
-        let speed = Series {
-            name: "simulated".into(),
-            values: kmh(|r| r.speed_m_s),
-            kind: Kind::Simulated,
-        };
+        let reference = Series::new(name, kind, kmh(|r| r.reference_m_s));
+        let speed = Series::new("simulated", Kind::Simulated, kmh(|r| r.speed_m_s));
         panels.push(panel("Speed", "km/h", vec![reference, speed]));
-        let torque = with(ours(|r| r.motor_torque_nm), measured(|t| &t.motor_torque_nm));
+        let torque = stepped(|r| r.motor_torque_nm, |e| e.motor_torque_nm);
+        let torque = with(torque, measured(|t| &t.motor_torque_nm));
         panels.push(panel("Motor torque", "N·m", torque));
     }
     let percent = |mut series: Series| {
@@ -56,12 +55,14 @@ pub fn render(replay: &Replay) -> anyhow::Result<String> {
     };
     let soc = with(percent(ours(|r| r.soc)), measured(|t| &t.soc).map(percent));
     panels.push(panel("State of charge", "%", soc));
-    let current = with(ours(|r| r.battery_current_a), measured(|t| &t.battery_a));
+    let current = stepped(|r| r.battery_current_a, |e| e.battery_current_a);
+    let current = with(current, measured(|t| &t.battery_a));
     panels.push(panel("Battery current (discharge positive)", "A", current));
-    let voltage = with(ours(|r| r.battery_voltage_v), measured(|t| &t.battery_v));
+    let voltage = stepped(|r| r.battery_voltage_v, |e| e.battery_voltage_v);
+    let voltage = with(voltage, measured(|t| &t.battery_v));
     panels.push(panel("Battery voltage", "V", voltage));
 
-    draw(&Sheet {
+    Sheet {
         title: format!("{} · {}", summary.input, summary.vehicle),
         subtitle: subtitle(replay),
         time_s: trace.iter().map(|r| r.time_s).collect(),
@@ -69,7 +70,7 @@ pub fn render(replay: &Replay) -> anyhow::Result<String> {
         bars_title: "Where the energy went".into(),
         bars_unit: "kWh".into(),
         bars: bars(replay),
-    })
+    }
 }
 
 /// The energy terms that matter, largest first.

@@ -1,6 +1,7 @@
 //! The summary of a replay on a terminal.
 
 use crate::show::table::{number, table};
+use crate::simulate::comparison::Deviation;
 use crate::simulate::figures::Figures;
 use crate::simulate::summary::Summary;
 
@@ -34,42 +35,21 @@ pub fn render(s: &Summary) -> String {
         s.run_wall_s,
         s.realtime_factor,
     );
-    let mut figures = match s.measured {
+    let mut rows = match s.measured {
         Some(_) => table(&["", "simulated", "measured"]),
         None => table(&["", "simulated"]),
     };
-    for (name, pick, digits) in ROWS {
-        let mut row = vec![name.to_owned(), number(pick(&s.figures), digits)];
-        row.extend(s.measured.as_ref().map(|m| number(pick(m), digits)));
-        figures.add_row(row);
+    for row in figures(s) {
+        rows.add_row(&row[..if s.measured.is_some() { 3 } else { 2 }]);
     }
-    for (name, value) in [
-        ("speed error, RMS [m/s]", s.speed_error_rms_m_s),
-        ("speed error, largest [m/s]", s.speed_error_max_m_s),
-    ] {
-        if value.is_some() {
-            let mut row = vec![name.to_owned(), number(value, 4)];
-            row.extend(s.measured.as_ref().map(|_| String::new()));
-            figures.add_row(row);
-        }
-    }
-    text += &format!("{figures}\n");
+    text += &format!("{rows}\n");
 
     if let Some(e) = &s.error {
-        let mut errors = table(&["simulated minus measured", ""]);
-        for (name, value) in [
-            ("SOC, RMS [%]", format!("{:.3}", 100.0 * e.soc_rmse)),
-            ("SOC at the end [%]", format!("{:+.3}", 100.0 * e.soc_final)),
-            ("SOC drop, relative [%]", format!("{:+.2}", 100.0 * e.soc_drop_rel)),
-            ("battery voltage, RMS [V]", format!("{:.3}", e.voltage_rmse_v)),
-            ("battery voltage, largest [V]", format!("{:.2}", e.voltage_max_v)),
-            ("battery current, RMS [A]", format!("{:.2}", e.current_rmse_a)),
-            ("motor torque, RMS [N·m]", number(e.torque_rmse_nm, 2)),
-            ("energy at the battery, relative [%]", format!("{:+.2}", 100.0 * e.energy_rel)),
-        ] {
-            errors.add_row([name.to_owned(), value]);
+        let mut rows = table(&["simulated minus measured", ""]);
+        for (name, value) in errors(e) {
+            rows.add_row([name.to_owned(), value]);
         }
-        text += &format!("{errors}\n");
+        text += &format!("{rows}\n");
     }
     if let Some(energy) = &s.energy {
         let mut ledger = table(&["energy", "kWh", "share [%]"]);
@@ -96,4 +76,36 @@ pub fn render(s: &Summary) -> String {
         text += &format!("note: {note}\n");
     }
     text
+}
+
+/// The figures of a replay: name, simulated, measured.
+pub fn figures(s: &Summary) -> Vec<[String; 3]> {
+    let measured = s.measured.as_ref();
+    let both = ROWS.into_iter().map(|(name, pick, digits)| {
+        let theirs = measured.map_or_else(String::new, |m| number(pick(m), digits));
+        [name.to_owned(), number(pick(&s.figures), digits), theirs]
+    });
+    let ours_only = [
+        ("speed error, RMS [m/s]", s.speed_error_rms_m_s),
+        ("speed error, largest [m/s]", s.speed_error_max_m_s),
+    ];
+    let ours_only = ours_only
+        .into_iter()
+        .filter(|(_, value)| value.is_some())
+        .map(|(name, value)| [name.to_owned(), number(value, 4), String::new()]);
+    both.chain(ours_only).collect()
+}
+
+/// How far a replay is from the measurement: name, value.
+pub fn errors(e: &Deviation) -> [(&'static str, String); 8] {
+    [
+        ("SOC, RMS [%]", format!("{:.3}", 100.0 * e.soc_rmse)),
+        ("SOC at the end [%]", format!("{:+.3}", 100.0 * e.soc_final)),
+        ("SOC drop, relative [%]", format!("{:+.2}", 100.0 * e.soc_drop_rel)),
+        ("battery voltage, RMS [V]", format!("{:.3}", e.voltage_rmse_v)),
+        ("battery voltage, largest [V]", format!("{:.2}", e.voltage_max_v)),
+        ("battery current, RMS [A]", format!("{:.2}", e.current_rmse_a)),
+        ("motor torque, RMS [N·m]", number(e.torque_rmse_nm, 2)),
+        ("energy at the battery, relative [%]", format!("{:+.2}", 100.0 * e.energy_rel)),
+    ]
 }

@@ -6,7 +6,7 @@ use crate::simulate::run::{Run, TraceRow};
 /// A column of the trace: its name and how to read it.
 type Column = (&'static str, fn(&TraceRow) -> f64);
 
-const COLUMNS: [Column; 12] = [
+const COLUMNS: [Column; 18] = [
     ("time_s", |r| r.time_s),
     ("reference_m_s", |r| f64::from(r.reference_m_s)),
     ("speed_m_s", |r| f64::from(r.speed_m_s)),
@@ -19,6 +19,13 @@ const COLUMNS: [Column; 12] = [
     ("battery_current_a", |r| f64::from(r.battery_current_a)),
     ("battery_voltage_v", |r| f64::from(r.battery_voltage_v)),
     ("soc", |r| f64::from(r.soc)),
+    // Lowest and highest of every step since the row before; the first row has no step.
+    ("motor_torque_min_nm", |r| f64::from(r.extremes.motor_torque_nm.0)),
+    ("motor_torque_max_nm", |r| f64::from(r.extremes.motor_torque_nm.1)),
+    ("battery_current_min_a", |r| f64::from(r.extremes.battery_current_a.0)),
+    ("battery_current_max_a", |r| f64::from(r.extremes.battery_current_a.1)),
+    ("battery_voltage_min_v", |r| f64::from(r.extremes.battery_voltage_v.0)),
+    ("battery_voltage_max_v", |r| f64::from(r.extremes.battery_voltage_v.1)),
 ];
 
 /// The trace as CSV; on trips with the measured values beside ours. A missing one is empty.

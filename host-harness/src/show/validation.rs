@@ -18,13 +18,26 @@ fn number(x: Option<f64>) -> String {
     format!("{x:.*}", DIGITS.saturating_sub(before))
 }
 
-fn verdict(check: &Check) -> &'static str {
+/// Whether it passed, in a word.
+pub fn verdict(check: &Check) -> &'static str {
     match (check.pass, check.obtained) {
         (Some(true), _) => "pass",
         (Some(false), _) => "FAIL",
         (None, Some(_)) => "shown",
         (None, None) => "SKIPPED",
     }
+}
+
+/// What was published, the target, what was obtained, how far it may be off.
+pub fn numbers(check: &Check) -> [String; 4] {
+    let bounded = check.target.is_none() && check.tolerance.is_some();
+    let sign = if bounded { "≤ " } else { "± " };
+    [
+        check.published.unwrap_or("").to_owned(),
+        check.target.map_or_else(String::new, |t| number(Some(t))),
+        number(check.obtained),
+        check.tolerance.map_or_else(String::new, |t| format!("{sign}{}", number(Some(t)))),
+    ]
 }
 
 /// A row for each check; a line for each that failed or was skipped.
@@ -50,14 +63,13 @@ pub fn figures(checks: &[Check]) -> (Table, String) {
             case = &check.name;
             table.add_row([format!("▸ {case}")]);
         }
-        let bounded = check.target.is_none() && check.tolerance.is_some();
-        let sign = if bounded { "≤ " } else { "± " };
+        let [published, target, obtained, tolerance] = numbers(check);
         table.add_row([
             format!("  {}", check.quantity),
-            check.published.unwrap_or("").to_owned(),
-            check.target.map_or_else(String::new, |t| number(Some(t))),
-            number(check.obtained),
-            check.tolerance.map_or_else(String::new, |t| format!("{sign}{}", number(Some(t)))),
+            published,
+            target,
+            obtained,
+            tolerance,
             verdict(check).to_owned(),
             check.source.to_owned(),
         ]);

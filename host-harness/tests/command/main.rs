@@ -1,11 +1,13 @@
 //! The built command, as a user runs it.
 
 mod bms;
+mod browser;
 mod experiments;
 mod identify;
 mod measured;
 mod refusals;
 mod replays;
+mod reports;
 mod rewind;
 mod soc;
 
@@ -17,7 +19,7 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// The files that a replay leaves.
-const OUTPUTS: [&str; 3] = ["report.svg", "summary.json", "trace.csv"];
+const OUTPUTS: [&str; 4] = ["report.html", "report.svg", "summary.json", "trace.csv"];
 /// A trip of 600 s that comes with the project.
 const TRIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/data/trips/synthetic.csv");
 

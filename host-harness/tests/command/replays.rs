@@ -45,7 +45,7 @@ const ERRORS: [&str; 8] = [
     "soc_samples_missing",
 ];
 /// Columns of `trace.csv`.
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 18] = [
     "time_s",
     "reference_m_s",
     "speed_m_s",
@@ -58,6 +58,12 @@ const COLUMNS: [&str; 12] = [
     "battery_current_a",
     "battery_voltage_v",
     "soc",
+    "motor_torque_min_nm",
+    "motor_torque_max_nm",
+    "battery_current_min_a",
+    "battery_current_max_a",
+    "battery_voltage_min_v",
+    "battery_voltage_max_v",
 ];
 /// Columns beside them on trips.
 const MEASURED: [&str; 4] = [

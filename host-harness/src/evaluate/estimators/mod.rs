@@ -50,11 +50,41 @@ pub struct Options {
     pub cases: Vec<Case>,
 }
 
+/// An estimator beside the charge that was counted, sample by sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimatorTrace {
+    /// Time from the start \[s\].
+    pub time_s: Vec<f64>,
+    /// State of charge: counted, estimated, 0..1.
+    pub soc: [Vec<f64>; 2],
+    /// The estimator's standard deviation.
+    pub sd: Vec<f64>,
+    /// Current, positive when discharging \[A\].
+    pub current_a: Vec<f64>,
+    /// Voltage \[V\].
+    pub voltage_v: Vec<f64>,
+}
+
+/// Takes each run, by its place in the report, with what happened, in any order.
+pub type Keep<'a> = &'a (dyn Fn(usize, &EstimatorRun, EstimatorTrace) -> anyhow::Result<()> + Sync);
+
 /// Runs an estimator over every file, and every drive cycle of every folder.
 ///
 /// # Errors
 /// A file that cannot be read, a battery that is none, a rate that is out of range.
 pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<EstimatorReport> {
+    run_keeping(paths, options, None)
+}
+
+/// As [`run`]; what happened may be kept.
+///
+/// # Errors
+/// As [`run`]; what `keep` refuses.
+pub fn run_keeping(
+    paths: &[PathBuf],
+    options: &Options,
+    keep: Option<Keep<'_>>,
+) -> anyhow::Result<EstimatorReport> {
     let named = options.cell.as_deref().map(battery::load).transpose()?;
     let builtin = [DEFAULT_CELL, DEFAULT_PACK].map(battery::load);
     let [cell, pack] = builtin;
@@ -86,8 +116,13 @@ pub fn run(paths: &[PathBuf], options: &Options) -> anyhow::Result<EstimatorRepo
         }
     }
     anyhow::ensure!(!jobs.is_empty(), "no drive cycle and no trip in what was named");
-    let runs: anyhow::Result<Vec<Vec<EstimatorRun>>> =
-        jobs.par_iter().map(|(battery, measured)| one(battery, measured, options)).collect();
+    let runs: anyhow::Result<Vec<Vec<EstimatorRun>>> = (jobs.par_iter().enumerate())
+        .map(|(job, (battery, measured))| {
+            one(battery, measured, options, |case, run, trace| {
+                keep.map_or(Ok(()), |keep| keep(job * options.cases.len() + case, run, trace()))
+            })
+        })
+        .collect();
     Ok(EstimatorReport {
         estimator: options.estimator,
         rate_hz: options.rate_hz,
@@ -101,6 +136,7 @@ fn one(
     battery: &BatteryFile,
     measured: &Measurement,
     options: &Options,
+    keep: impl Fn(usize, &EstimatorRun, &dyn Fn() -> EstimatorTrace) -> anyhow::Result<()> + Sync,
 ) -> anyhow::Result<Vec<EstimatorRun>> {
     let capacity_ah = f64::from(battery.battery.capacity_ah);
     let samples =
@@ -108,7 +144,8 @@ fn one(
     options
         .cases
         .par_iter()
-        .map(|case| {
+        .enumerate()
+        .map(|(number, case)| {
             let points = match options.estimator {
                 Estimator::Ekf => case::ekf(battery, &samples, case)?,
                 Estimator::Coulomb => case::coulomb(battery, &samples, case)?,
@@ -117,14 +154,31 @@ fn one(
                 .with_context(|| format!("{}: no state of charge to compare with", samples.name))?;
             let soc = samples.soc.iter().copied().filter(|s| s.is_finite());
             let (low, high) = soc.fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(s), h.max(s)));
-            Ok(EstimatorRun {
+            let run = EstimatorRun {
                 name: samples.name.clone(),
                 battery: battery.name.clone(),
                 case: *case,
                 soc_span: high - low,
                 figures,
                 notes: samples.notes.clone(),
-            })
+            };
+            keep(number, &run, &|| traced(&samples, &points))?;
+            Ok(run)
         })
         .collect()
+}
+
+fn traced(samples: &samples::Samples, points: &[case::Point]) -> EstimatorTrace {
+    #[expect(clippy::cast_precision_loss, reason = "a count")]
+    let time_s = (0..points.len()).map(|i| i as f64 * samples.dt_s).collect();
+    EstimatorTrace {
+        time_s,
+        soc: [
+            samples.soc.clone(),
+            points.iter().zip(&samples.soc).map(|(p, truth)| truth + p.error).collect(),
+        ],
+        sd: points.iter().map(|p| p.sd).collect(),
+        current_a: samples.current_a.clone(),
+        voltage_v: samples.voltage_v.clone(),
+    }
 }

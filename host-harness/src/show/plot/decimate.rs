@@ -1,5 +1,6 @@
 //! Reduction of a long trace to what a screen can show.
 
+use super::Series;
 use super::axis::is_drawable;
 
 /// A sample: time and value.
@@ -44,6 +45,27 @@ fn push_new(line: &mut Vec<Point>, point: Point) {
     if line.last() != Some(&point) {
         line.push(point);
     }
+}
+
+/// The samples of a series, with what happened between two of them where that goes beyond both.
+pub(super) fn with_extremes(time_s: &[f64], series: &Series) -> (Vec<f64>, Vec<f64>) {
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    let mut before: Option<Point> = None;
+    for (i, point) in time_s.iter().copied().zip(series.values.iter().copied()).enumerate() {
+        if let (Some(last), Some((low, high))) = (before, series.extremes.get(i)) {
+            let beyond = [(low, last.1.min(point.1) > *low), (high, last.1.max(point.1) < *high)];
+            for (value, share) in beyond.into_iter().zip([1.0 / 3.0, 2.0 / 3.0]) {
+                if let (value, true) = value {
+                    times.push(last.0 + share * (point.0 - last.0));
+                    values.push(*value);
+                }
+            }
+        }
+        times.push(point.0);
+        values.push(point.1);
+        before = Some(point);
+    }
+    (times, values)
 }
 
 /// Reduces a trace to lines that keep the smallest and the largest sample of

@@ -62,6 +62,16 @@ pub(crate) struct Series {
     pub(crate) values: Vec<f64>,
     /// Origin of the values.
     pub(crate) kind: Kind,
+    /// Lowest and highest of what happened since the value before, one pair for each value; none
+    /// where the values are all there is.
+    pub(crate) extremes: Vec<(f64, f64)>,
+}
+
+impl Series {
+    /// A line through values that are all there is.
+    pub(crate) fn new(name: &str, kind: Kind, values: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), values, kind, extremes: Vec::new() }
+    }
 }
 
 /// One plot area with its own vertical axis; all panels share the time axis.
@@ -112,6 +122,14 @@ pub(crate) struct Sheet {
 pub(crate) fn render(sheet: &Sheet) -> Result<String> {
     for panel in &sheet.panels {
         for series in &panel.series {
+            ensure!(
+                series.extremes.is_empty() || series.extremes.len() == series.values.len(),
+                "series `{}` of panel `{}` has {} extremes for {} values",
+                series.name,
+                panel.title,
+                series.extremes.len(),
+                series.values.len(),
+            );
             ensure!(
                 series.values.is_empty() || series.values.len() == sheet.time_s.len(),
                 "series `{}` of panel `{}` has {} values for {} sample times",

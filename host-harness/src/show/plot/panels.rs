@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 
 use super::axis::{Range, Tick, is_drawable, ticks};
 use super::canvas::{Align, Canvas, GRID, INK, MUTED, Units, ZERO, units};
-use super::decimate::{Point, decimate};
+use super::decimate::{Point, decimate, with_extremes};
 use super::text;
 use super::{BOLD, HEADING_PX, Kind, LABEL_PX, LEFT, Panel, RIGHT, SHEET_WIDTH, Series, Sheet};
 use super::{TEXT_LEFT, row_offset};
@@ -43,7 +43,10 @@ pub(super) fn draw(canvas: &Canvas<'_>, sheet: &Sheet, top: f64) -> Result<()> {
     let frames: Vec<Frame> = (0..sheet.panels.len())
         .zip(&sheet.panels)
         .map(|(index, panel)| {
-            let values = panel.series.iter().flat_map(|s| s.values.iter().copied());
+            let values = panel.series.iter().flat_map(|s| {
+                let beyond = s.extremes.iter().flat_map(|(low, high)| [*low, *high]);
+                s.values.iter().copied().chain(beyond)
+            });
             let y = Range::of_values(values);
             Frame { top: top + row_offset(index, PANEL) + HEAD, x: range, y }
         })
@@ -126,7 +129,8 @@ fn traces(sheet: &Sheet, frames: &[Frame]) -> Vec<Vec<Vec<Vec<Units>>>> {
             .map(|(panel, frame)| {
                 let column_s = frame.x.span() / columns;
                 let lines = |series: &Series| {
-                    decimate(&sheet.time_s, &series.values, frame.x.low, column_s)
+                    let (time_s, values) = with_extremes(&sheet.time_s, series);
+                    decimate(&time_s, &values, frame.x.low, column_s)
                         .iter()
                         .map(|line| frame.place(line))
                         .collect()

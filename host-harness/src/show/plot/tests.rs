@@ -4,7 +4,7 @@ use super::text;
 use super::{Bar, Kind, Panel, Series, Sheet, render};
 
 fn series(name: &str, kind: Kind, values: Vec<f64>) -> Series {
-    Series { name: name.to_owned(), values, kind }
+    Series::new(name, kind, values)
 }
 
 fn sheet(time_s: Vec<f64>, series: Vec<Series>) -> Sheet {
@@ -169,6 +169,28 @@ fn long_noisy_replay_stays_small_and_keeps_its_peak() {
     let next = longest.iter().filter(|point| *point != peak).map(|point| point.1).min().unwrap();
     assert!(next - peak.1 > 400);
     assert!(longest.len() > 2000);
+}
+
+#[test]
+fn what_happened_between_two_samples_is_drawn() {
+    let values: Vec<f64> = seconds(10).iter().map(|t| t / 10.0).collect();
+    let mut spiked = series("a", Kind::Simulated, values.clone());
+    spiked.extremes = values.iter().map(|v| (*v, *v)).collect();
+    spiked.extremes[5] = (-40.0, 60.0);
+    let svg = checked(&sheet(seconds(10), vec![spiked.clone()]));
+    let lines = traces(&svg, BLUE);
+    let longest = lines.iter().max_by_key(|line| line.len()).unwrap();
+    let lowest = longest.iter().max_by_key(|point| point.1).unwrap();
+    let highest = longest.iter().min_by_key(|point| point.1).unwrap();
+    // 100 of the range from -40 to 60 on 144 px, four units to a pixel.
+    assert!(lowest.1 - highest.1 > 480, "{lowest:?} {highest:?}");
+    // Both lie between the samples at 4 s and 5 s: 1100 px for 9 s from 72 px on.
+    for (x, _) in [lowest, highest] {
+        assert!((4 * (72 + 488)..4 * (72 + 612)).contains(x), "{x}");
+    }
+    spiked.extremes.pop();
+    let error = render(&sheet(seconds(10), vec![spiked])).unwrap_err().to_string();
+    assert_eq!(error, "series `a` of panel `Speed` has 9 extremes for 10 values");
 }
 
 #[test]

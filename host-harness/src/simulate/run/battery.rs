@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
+use plant_core::Dt;
 use plant_core::battery::{Battery, BatteryInput, MappedBattery, MappedBatteryInput, Pack};
 use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams, TimeTableState};
-use plant_core::{Dt, num};
 
-use super::{Run, Totals, TraceRow, step_at, tell, widen};
+use super::{Extremes, Run, Totals, TraceRow, step_at, tell};
 use crate::read::vehicle::{Vehicle, VehicleBattery};
 use crate::simulate::progress::Progress;
 
@@ -82,18 +82,20 @@ fn alone<B: Alone>(
         load.first().map_or((0.0, f32::NAN), |l| (l.current_a, l.temperature_c));
     battery.set_temperature(&mut state, first_c);
     let mut trace = Vec::with_capacity(load.len());
-    trace.push(TraceRow {
+    let start_row = TraceRow {
         battery_current_a: first_a,
         battery_voltage_v: battery.offer(&state).0.voltage_v(first_a),
         soc: start_soc,
         ..TraceRow::default()
-    });
+    };
+    trace.push(TraceRow { extremes: Extremes::of(&start_row), ..start_row });
     let mut steps = 0;
     let started = Instant::now();
     for (number, pair) in load.windows(2).enumerate() {
         let time_s = f64::from(pair[1].time_s);
         let until = step_at(time_s, dt_s);
         let mut row = TraceRow { time_s, ..trace[number] };
+        row.extremes = if steps < until { Extremes::default() } else { Extremes::of(&row) };
         battery.set_temperature(&mut state, pair[0].temperature_c);
         while steps < until {
             let (soc, terminal_v, current_a, refused_charge_c) =
@@ -101,13 +103,13 @@ fn alone<B: Alone>(
             totals.battery_energy_j += f64::from(terminal_v * current_a) * dt_s;
             totals.limited_steps += u64::from(refused_charge_c != 0.0);
             totals.refused_charge_c += f64::from(refused_charge_c.abs());
-            widen(&mut totals.battery_current_a, current_a);
-            totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, terminal_v);
+            row.extremes.see(0.0, current_a, terminal_v);
             steps += 1;
             row.battery_current_a = current_a;
             row.battery_voltage_v = terminal_v;
             row.soc = soc;
         }
+        totals.widen(&row.extremes);
         trace.push(row);
         tell(progress, number, load.len());
     }

@@ -45,6 +45,46 @@ pub struct TraceRow {
     pub battery_voltage_v: f32,
     /// State of charge, 0..1.
     pub soc: f32,
+    /// The lowest and highest of every step since the row before, so that nothing is lost between
+    /// two rows; where there was none, of the row itself.
+    pub extremes: Extremes,
+}
+
+/// Lowest and highest value of what may jump from step to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// Air-gap torque \[N·m\].
+    pub motor_torque_nm: (f32, f32),
+    /// Battery current \[A\].
+    pub battery_current_a: (f32, f32),
+    /// Voltage at the battery's terminals \[V\].
+    pub battery_voltage_v: (f32, f32),
+}
+
+/// Of no step: any value widens it.
+const NOTHING: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
+
+impl Default for Extremes {
+    fn default() -> Self {
+        Self { motor_torque_nm: NOTHING, battery_current_a: NOTHING, battery_voltage_v: NOTHING }
+    }
+}
+
+impl Extremes {
+    /// Where there was no step: the values that a row has anyhow.
+    fn of(row: &TraceRow) -> Self {
+        let mut extremes = Self::default();
+        extremes.see(row.motor_torque_nm, row.battery_current_a, row.battery_voltage_v);
+        extremes
+    }
+
+    /// Takes in the values of a step.
+    #[inline]
+    fn see(&mut self, motor_torque_nm: f32, battery_current_a: f32, battery_voltage_v: f32) {
+        widen(&mut self.motor_torque_nm, motor_torque_nm);
+        widen(&mut self.battery_current_a, battery_current_a);
+        widen(&mut self.battery_voltage_v, battery_voltage_v);
+    }
 }
 
 /// The extremes and sums over every step of a run.
@@ -70,12 +110,11 @@ pub struct Totals {
 
 impl Default for Totals {
     fn default() -> Self {
-        let none = (f32::INFINITY, f32::NEG_INFINITY);
         Self {
             speed_error_squares: 0.0,
             speed_error_max_m_s: 0.0,
-            motor_torque_nm: none,
-            battery_current_a: none,
+            motor_torque_nm: NOTHING,
+            battery_current_a: NOTHING,
             battery_voltage_min_v: f32::INFINITY,
             battery_energy_j: 0.0,
             limited_steps: 0,
@@ -105,6 +144,20 @@ pub struct Run {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "times are ≥ 0")]
 fn step_at(time_s: f64, dt_s: f64) -> u64 {
     (time_s / dt_s).round() as u64
+}
+
+impl Totals {
+    /// Takes in the extremes of a stretch.
+    fn widen(&mut self, seen: &Extremes) {
+        for (all, (low, high)) in [
+            (&mut self.motor_torque_nm, seen.motor_torque_nm),
+            (&mut self.battery_current_a, seen.battery_current_a),
+        ] {
+            widen(all, low);
+            widen(all, high);
+        }
+        self.battery_voltage_min_v = num::min(self.battery_voltage_min_v, seen.battery_voltage_v.0);
+    }
 }
 
 #[inline]

@@ -15,7 +15,7 @@ use plant_core::powertrain::{
 use plant_core::{Dt, num};
 
 use super::drives::axle;
-use super::{Run, Totals, TraceRow, step_at, tell, widen};
+use super::{Extremes, Run, Totals, TraceRow, step_at, tell};
 use crate::read::vehicle::{DriveKind, Vehicle, VehicleBattery};
 use crate::simulate::progress::Progress;
 use crate::simulate::route::{Route, Row};
@@ -126,14 +126,15 @@ impl Drive<'_> {
         let mut start = plant.at_speed(self.start_soc, first.speed_m_s as f32)?;
         plant.battery().set_temperature(&mut start.battery, first.battery_c);
         let mut trace = Vec::with_capacity(rows.len());
-        trace.push(TraceRow {
+        let start_row = TraceRow {
             reference_m_s: first.speed_m_s as f32,
             speed_m_s: first.speed_m_s as f32,
             battery_voltage_v: start.battery_v,
             soc: self.start_soc,
             slope_sin: first.grade.sin,
             ..TraceRow::default()
-        });
+        };
+        trace.push(TraceRow { extremes: Extremes::of(&start_row), ..start_row });
         let mut loop_state = Loop {
             plant: start,
             driver: DriverState::default(),
@@ -151,6 +152,7 @@ impl Drive<'_> {
                 slope_sin: row.grade.sin,
                 ..trace[number]
             };
+            kept.extremes = Extremes::of(&kept);
             if until > steps {
                 plant.battery().set_temperature(&mut loop_state.plant.battery, row.battery_c);
                 let stretch = Stretch::new(row, next, steps, until, self.dt_s);
@@ -233,6 +235,7 @@ impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
         let (mut state, mut driving, mut feedback) = (self.plant, self.driver, self.feedback);
         let mut totals = self.totals;
         let mut road = stretch.road;
+        let mut extremes = Extremes::default();
         let (mut squares, mut energy_w) = (0.0_f32, 0.0_f32);
         let mut number = 0.0_f32;
         let mut sound = true;
@@ -256,9 +259,7 @@ impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
             );
             feedback = plant.seen_of(&out);
             energy_w += out.battery_v * out.battery_a;
-            widen(&mut totals.motor_torque_nm, feedback.motor_nm);
-            widen(&mut totals.battery_current_a, out.battery_a);
-            totals.battery_voltage_min_v = num::min(totals.battery_voltage_min_v, out.battery_v);
+            extremes.see(feedback.motor_nm, out.battery_a, out.battery_v);
             totals.limited_steps += u64::from(feedback.limited);
             sound &= !out.rejected;
             kept.speed_m_s = out.speed_m_s;
@@ -271,6 +272,8 @@ impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
             kept.battery_voltage_v = out.battery_v;
             kept.soc = out.soc;
         }
+        totals.widen(&extremes);
+        kept.extremes = extremes;
         totals.speed_error_squares += f64::from(squares);
         totals.battery_energy_j += f64::from(energy_w) * stretch.dt_s;
         *self = Self { plant: state, driver: driving, feedback, totals };
