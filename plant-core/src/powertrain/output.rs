@@ -24,7 +24,7 @@ pub enum Limited {
     Charge,
     /// The commanded duty lay beyond the converter's limit.
     Duty,
-    /// The converter's current limit held it back.
+    /// The converter's current limit, or what a temperature leaves of it, held it back.
     Current,
 }
 
