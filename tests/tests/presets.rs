@@ -5,8 +5,9 @@
 use std::fmt::Debug;
 
 use plant_core::presets::{
-    BMW_I3_60AH_PACK, BMW_I3_60AH_TABLE_5_2, CONVERTER_BENCH_LOAD, CONVERTER_BENCH_MOTOR,
-    MAPPED_VEHICLES, MOTOR_MOMENTS, MOTOR_PASEK, PANASONIC_NCR18650PF, VEHICLES, Vehicle,
+    BMW_I3_60AH_PACK, BMW_I3_60AH_TABLE_5_2, BMW_I3_60AH_THERMAL, CONVERTER_BENCH_LOAD,
+    CONVERTER_BENCH_MOTOR, MAPPED_VEHICLES, MOTOR_MOMENTS, MOTOR_PASEK, PANASONIC_NCR18650PF,
+    VEHICLES, Vehicle,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -33,6 +34,7 @@ fn vehicles() {
     for vehicle in MAPPED_VEHICLES {
         vehicle_survives(vehicle);
     }
+    survives(&BMW_I3_60AH_THERMAL.powertrain);
 }
 
 #[test]

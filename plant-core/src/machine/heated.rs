@@ -10,7 +10,7 @@
 //! derated and the resistance is that of the reference, a step gives the bits of the machine alone. The
 //! nodes are ours, as is the derating; the resistance is that of [`Conductor`].
 //!
-//! Tests: `heated/tests.rs`; property `heated`; case "heated drive".
+//! Tests: `heated/tests.rs`; property `drives`; case "heated drive".
 
 use super::{
     Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Temperatures, Wish,
