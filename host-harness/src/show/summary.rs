@@ -43,12 +43,15 @@ pub fn render(s: &Summary) -> String {
         row.extend(s.measured.as_ref().map(|m| number(pick(m), digits)));
         figures.add_row(row);
     }
-    for (name, value) in [
-        ("speed error, RMS [m/s]", s.speed_error_rms_m_s),
-        ("speed error, largest [m/s]", s.speed_error_max_m_s),
+    let hottest = s.drive_temperatures;
+    for (name, value, digits) in [
+        ("speed error, RMS [m/s]", s.speed_error_rms_m_s, 4),
+        ("speed error, largest [m/s]", s.speed_error_max_m_s, 4),
+        ("machine, highest [°C]", hottest.map(|h| h.machine_max_c), 1),
+        ("inverter, highest [°C]", hottest.map(|h| h.inverter_max_c), 1),
     ] {
         if value.is_some() {
-            let mut row = vec![name.to_owned(), number(value, 4)];
+            let mut row = vec![name.to_owned(), number(value, digits)];
             row.extend(s.measured.as_ref().map(|_| String::new()));
             figures.add_row(row);
         }

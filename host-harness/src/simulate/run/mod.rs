@@ -7,6 +7,7 @@ mod vehicle;
 
 use std::time::Duration;
 
+use plant_core::machine::Temperatures;
 use plant_core::num;
 use plant_core::powertrain::ledger::EnergyReport;
 
@@ -45,6 +46,8 @@ pub struct TraceRow {
     pub battery_voltage_v: f32,
     /// State of charge, 0..1.
     pub soc: f32,
+    /// How warm the drives are; of a vehicle that has temperatures.
+    pub temperatures: Option<Temperatures>,
 }
 
 /// The extremes and sums over every step of a run.
@@ -66,6 +69,9 @@ pub struct Totals {
     pub limited_steps: u64,
     /// Charge that the battery refused \[C\], without its sign (battery mode).
     pub refused_charge_c: f64,
+    /// The highest temperatures of the drives, and the least that they left of a current limit; of a
+    /// vehicle that has temperatures.
+    pub temperatures: Option<Temperatures>,
 }
 
 impl Default for Totals {
@@ -80,6 +86,7 @@ impl Default for Totals {
             battery_energy_j: 0.0,
             limited_steps: 0,
             refused_charge_c: 0.0,
+            temperatures: None,
         }
     }
 }

@@ -17,6 +17,13 @@ pub enum Either<A, B> {
     Other(B),
 }
 
+/// That of the one: where neither counts, so that pairs of them nest.
+impl<A: Default, B> Default for Either<A, B> {
+    fn default() -> Self {
+        Self::One(A::default())
+    }
+}
+
 /// Asks the drive that it is, with what belongs to it.
 macro_rules! each {
     ($drive:expr, $($link:expr),+ => |$it:ident, $($of:ident),+| $one:expr, $other:expr, else $none:expr) => {
