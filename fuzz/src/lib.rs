@@ -48,22 +48,26 @@ pub fn vehicle(data: &[u8]) {
         let dt = Dt::from_s(0.001).expect("a sound step");
         let plant = vehicle.powertrain;
         for drive in plant.drives.as_slice().iter().flatten() {
-            let built = match (plant.battery, drive) {
-                (VehicleBattery::Constant(battery), DriveKind::Dc(drive)) => {
-                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
-                }
-                (VehicleBattery::Constant(battery), DriveKind::Pmsm(drive)) => {
-                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
-                }
-                (VehicleBattery::Mapped(battery), DriveKind::Dc(drive)) => {
-                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
-                }
-                (VehicleBattery::Mapped(battery), DriveKind::Pmsm(drive)) => {
-                    plant.with_battery(battery).with_drives(*drive).build(dt).is_ok()
-                }
+            let built = match plant.battery {
+                VehicleBattery::Constant(battery) => builds(plant.with_battery(battery), drive, dt),
+                VehicleBattery::Mapped(battery) => builds(plant.with_battery(battery), drive, dt),
             };
             assert!(built, "checked by the reader");
         }
+    }
+}
+
+/// Whether a plant with one drive can be built.
+fn builds<P: PackParams, D: Copy>(
+    plant: PowertrainParams<P, D>,
+    drive: &DriveKind,
+    dt: Dt,
+) -> bool {
+    match drive {
+        DriveKind::Dc(drive) => plant.with_drives(*drive).build(dt).is_ok(),
+        DriveKind::Pmsm(drive) => plant.with_drives(*drive).build(dt).is_ok(),
+        DriveKind::HeatedDc(drive) => plant.with_drives(*drive).build(dt).is_ok(),
+        DriveKind::HeatedPmsm(drive) => plant.with_drives(*drive).build(dt).is_ok(),
     }
 }
 

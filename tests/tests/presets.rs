@@ -8,9 +8,9 @@ use plant_core::control::driver::{Driver, DriverInput, DriverState};
 use plant_core::mechanics::body::Road;
 use plant_core::powertrain::{Powertrain, PowertrainInput};
 use plant_core::presets::{
-    BMW_I3_60AH, BMW_I3_60AH_PACK, BMW_I3_60AH_TABLE_5_2, CONVERTER_BENCH_LOAD,
-    CONVERTER_BENCH_MOTOR, MAPPED_VEHICLES, MOTOR_MOMENTS, MOTOR_PASEK, PANASONIC_NCR18650PF,
-    VEHICLES, Vehicle,
+    BMW_I3_60AH, BMW_I3_60AH_PACK, BMW_I3_60AH_TABLE_5_2, BMW_I3_60AH_THERMAL,
+    CONVERTER_BENCH_LOAD, CONVERTER_BENCH_MOTOR, MAPPED_VEHICLES, MOTOR_MOMENTS, MOTOR_PASEK,
+    PANASONIC_NCR18650PF, VEHICLES, Vehicle,
 };
 use plant_core::{Dt, MappedBattery};
 use serde::Serialize;
@@ -38,6 +38,7 @@ fn vehicles() {
     for vehicle in MAPPED_VEHICLES {
         vehicle_survives(vehicle);
     }
+    survives(&BMW_I3_60AH_THERMAL.powertrain);
 }
 
 #[test]

@@ -30,6 +30,7 @@ const VEHICLES: &[(&str, &[&str])] = &[
     ("bmw-i3-60ah-constant", &["--features", "bmw-i3-constant"]),
     ("bmw-i3-60ah", &["--features", "bmw-i3"]),
     ("bmw-i3-60ah-pmsm", &["--features", "bmw-i3-pmsm"]),
+    ("bmw-i3-60ah-thermal", &["--features", "bmw-i3-thermal"]),
     ("two-axles", &["--features", "two-axles"]),
 ];
 

@@ -27,11 +27,12 @@ use plant_core::error;
 use plant_core::link::{Contactor, Link, LinkState};
 use plant_core::machine::dc::{CurrentLaw, DcMotor, DcMotorParams, Winding};
 use plant_core::machine::flux::Flux;
+use plant_core::machine::heated::Heated;
 use plant_core::machine::pmsm::{
     DqCurrents, DqLaw, DqWinding, Pmsm, PmsmDrive, PmsmInput, PmsmParams, PmsmState,
 };
 use plant_core::machine::transform::{self, Abc, AlphaBeta, Dq, RotorAngle};
-use plant_core::machine::{MachineFlows, Solved};
+use plant_core::machine::{MachineFlows, Solved, Temperatures};
 use plant_core::mechanics::body::{Body, Resistance};
 use plant_core::mechanics::gearbox::Gearbox;
 use plant_core::mechanics::rotational::{Axis, RotAxis, RotationalLoad};
@@ -41,7 +42,8 @@ use plant_core::num::{self, SocTable};
 use plant_core::port::{self, BusLaw, BusRise, Coast, Slip, Source};
 use plant_core::powertrain::ledger::{EnergyLedger, EnergyReport, NoLedger};
 use plant_core::powertrain::{
-    Axles, Drive, DriveParams, Drives, Either, Powertrain, PowertrainInput, PowertrainParams,
+    Axles, Drive, DriveParams, Drives, Either, HeatedDriveParams, Powertrain, PowertrainInput,
+    PowertrainParams,
 };
 use plant_core::signal::faults::{Drift, Lapse, Noise, Random};
 use plant_core::signal::sensors::{AxialSpeedSensor, CurrentSensor, VoltageSensor};
@@ -86,6 +88,8 @@ type MappedLedgered = Powertrain<EnergyLedger, MappedBattery>;
 
 /// Synchronous and DC machines alone, in pairs, in pairs of pairs.
 type Synchronous = Drive<PmsmDrive>;
+type Warm = Drive<Heated<DcDrive>>;
+type WarmSynchronous = Drive<Heated<PmsmDrive>>;
 type OneOfEach = (Synchronous, Drive);
 type Four = ((Synchronous, Synchronous), (Drive, Drive));
 /// One of two, told apart at run time.
@@ -169,7 +173,7 @@ fn components() {
         DqWinding::reflected, DqWinding::flux, DqWinding::pole_pairs, DqWinding::is_coarse,
         DqWinding::law, DqLaw::increment_a, DqLaw::admit, DqLaw::voltage_v, DqLaw::field_v, DqLaw::diode_v,
         DqLaw::torque_nm, Pmsm::new, Pmsm::winding, Pmsm::coast, Pmsm::step, Pmsm::step_at_speed,
-        PmsmInput::cold, PmsmState::current_a, DqCurrents::get, MachineFlows::times, Solved::<()>::of,
+        PmsmInput::cold, PmsmState::current_a, DqCurrents::get, MachineFlows::times, Temperatures::worse, Solved::<()>::of,
         Dq::dot, Dq::turned, Dq::length, Dq::within, Dq::to_stator, AlphaBeta::to_rotor,
         AlphaBeta::to_phases, Abc::to_vector, RotorAngle::of_turns, transform::duties,
         transform::averaged_inverter,
@@ -215,6 +219,8 @@ fn composed() {
         DriveParams::<DcMotorParams>::new,
         DriveParams::<DcMotorParams>::on,
         DriveParams::<PmsmParams>::on,
+        HeatedDriveParams::<DcMotorParams>::on,
+        HeatedDriveParams::<PmsmParams>::on,
         Axles::<Drive>::and::<Synchronous>,
         Axles::<Drive>::motor_rad_per_m,
         unchanged,
@@ -229,6 +235,9 @@ fn composed() {
     plants::<OneOfEach>();
     plants::<Four>();
     plants::<(AnyDrive, AnyDrive)>();
+    plants::<Warm>();
+    plants::<WarmSynchronous>();
+    plants::<(WarmSynchronous, Warm)>();
 }
 
 /// Axles of other drives, which are the same.
@@ -246,6 +255,7 @@ fn plants<D: Drives>() {
         Composed::<D>::at_rest,
         Composed::<D>::motor_rad_per_m,
         Composed::<D>::feedback,
+        Composed::<D>::temperatures,
         Composed::<D>::seen_of,
         Composed::<D>::step,
         ComposedLedgered::<D>::step,

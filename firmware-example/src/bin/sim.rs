@@ -26,12 +26,15 @@ use voltstep_trace::{BMW_I3 as RIG, BMW_I3_MONITOR as MONITOR};
 use voltstep_trace::{BMW_I3_CONSTANT as RIG, BMW_I3_CONSTANT_MONITOR as MONITOR};
 #[cfg(feature = "bmw-i3-pmsm")]
 use voltstep_trace::{BMW_I3_CONSTANT_MONITOR as MONITOR, BMW_I3_PMSM as RIG};
+#[cfg(feature = "bmw-i3-thermal")]
+use voltstep_trace::{BMW_I3_CONSTANT_MONITOR as MONITOR, BMW_I3_THERMAL as RIG};
 #[cfg(feature = "two-axles")]
 use voltstep_trace::{BMW_I3_CONSTANT_MONITOR as MONITOR, TWO_AXLED as RIG};
 #[cfg(not(any(
     feature = "bmw-i3",
     feature = "bmw-i3-constant",
     feature = "bmw-i3-pmsm",
+    feature = "bmw-i3-thermal",
     feature = "two-axles"
 )))]
 use voltstep_trace::{EPOWERTRAIN as RIG, EPOWERTRAIN_MONITOR as MONITOR};
@@ -42,10 +45,12 @@ use plant_core::battery::BatteryState;
 use plant_core::battery::MappedBatteryState as BatteryState;
 
 // What the drives remember.
-#[cfg(not(any(feature = "bmw-i3-pmsm", feature = "two-axles")))]
+#[cfg(not(any(feature = "bmw-i3-pmsm", feature = "bmw-i3-thermal", feature = "two-axles")))]
 use plant_core::Accum as DrivesState;
 #[cfg(feature = "bmw-i3-pmsm")]
 use plant_core::machine::pmsm::DqCurrents as DrivesState;
+#[cfg(feature = "bmw-i3-thermal")]
+type DrivesState = plant_core::machine::heated::HeatedState<plant_core::Accum>;
 #[cfg(feature = "two-axles")]
 type DrivesState = (plant_core::machine::pmsm::DqCurrents, plant_core::Accum);
 

@@ -7,12 +7,12 @@ use plant_core::control::driver::Steering;
 use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::NoLedger;
 use voltstep_trace::{
-    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM, EPOWERTRAIN,
-    EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run, TWO_AXLED, Words,
+    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
+    BMW_I3_THERMAL, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run, TWO_AXLED, Words,
 };
 
 const VEHICLES: &str =
-    "epowertrain-udds|bmw-i3-60ah|bmw-i3-60ah-constant|bmw-i3-60ah-pmsm|two-axles";
+    "epowertrain-udds|bmw-i3-60ah|bmw-i3-60ah-constant|bmw-i3-60ah-pmsm|bmw-i3-60ah-thermal|two-axles";
 
 fn main() {
     let mut words = std::env::args().skip(1);
@@ -24,6 +24,7 @@ fn main() {
             print(&BMW_I3_CONSTANT, &BMW_I3_CONSTANT_MONITOR, block);
         }
         Some("bmw-i3-60ah-pmsm") => print(&BMW_I3_PMSM, &BMW_I3_CONSTANT_MONITOR, block),
+        Some("bmw-i3-60ah-thermal") => print(&BMW_I3_THERMAL, &BMW_I3_CONSTANT_MONITOR, block),
         Some("two-axles") => print(&TWO_AXLED, &BMW_I3_CONSTANT_MONITOR, block),
         _ => {
             eprintln!("usage: trace {VEHICLES} [BLOCK]");

@@ -4,6 +4,7 @@ use core::fmt::{Display, from_fn};
 
 use plant_core::Accum;
 use plant_core::battery::{BatteryState, MappedBatteryState};
+use plant_core::machine::heated::HeatedState;
 use plant_core::machine::pmsm::DqCurrents;
 use voltstep_bms::estimate::ekf::EkfState;
 
@@ -45,6 +46,20 @@ impl Words for DqCurrents {
     fn put(&self, frame: &mut Frame) {
         frame.put_sum(self.d_a);
         frame.put_sum(self.q_a);
+    }
+}
+
+/// Those of the machine, then how much warmer than the coolant machine and inverter are.
+impl<S: Words> Words for HeatedState<S> {
+    fn fields() -> impl Iterator<Item = &'static str> {
+        let warm = ["machine_k", "machine_k.lost", "inverter_k", "inverter_k.lost"];
+        S::fields().chain(warm)
+    }
+
+    fn put(&self, frame: &mut Frame) {
+        self.machine.put(frame);
+        frame.put_sum(self.machine_above_k);
+        frame.put_sum(self.inverter_above_k);
     }
 }
 

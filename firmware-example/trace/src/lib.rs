@@ -20,12 +20,15 @@ pub use run::Run;
 use plant_core::Dt;
 use plant_core::battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams};
 use plant_core::control::driver::TorqueDriver;
+use plant_core::machine::dc::DcDrive;
+use plant_core::machine::heated::Heated;
 use plant_core::machine::pmsm::{PmsmDrive, PmsmParams};
 use plant_core::must;
 use plant_core::powertrain::ledger::{EnergyLedger, NoLedger};
-use plant_core::powertrain::{Axles, Drive, DriveParams, PowertrainParams};
+use plant_core::powertrain::{Axles, Drive, DriveParams, HeatedDriveParams, PowertrainParams};
 use plant_core::presets::{
-    BMW_I3_60AH, BMW_I3_60AH_CONSTANT, BMW_I3_60AH_PMSM, EPOWERTRAIN_UDDS, TWO_AXLES,
+    BMW_I3_60AH, BMW_I3_60AH_CONSTANT, BMW_I3_60AH_PMSM, BMW_I3_60AH_THERMAL, EPOWERTRAIN_UDDS,
+    TWO_AXLES,
 };
 use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams};
 
@@ -69,6 +72,9 @@ pub const BMW_I3_PMSM: Composed<Drive<PmsmDrive>> =
     must!(Rig::composed(&BMW_I3_60AH_PMSM, PMSM_AXLE, DT));
 /// The same with its energy ledger.
 pub const BMW_I3_PMSM_LEDGER: Composed<Drive<PmsmDrive>, EnergyLedger> = BMW_I3_PMSM.with_ledger();
+/// The car whose drive heats up.
+pub const BMW_I3_THERMAL: Composed<Drive<Heated<DcDrive>>> =
+    must!(Rig::composed(&BMW_I3_60AH_THERMAL, THERMAL_AXLE, DT));
 /// A car with two axles.
 pub const TWO_AXLED: Composed<BothAxles> = must!(Rig::composed(&TWO_AXLES, REAR.and(FRONT), DT));
 /// The same with its energy ledger.
@@ -77,6 +83,10 @@ pub const TWO_AXLED_LEDGER: Composed<BothAxles, EnergyLedger> = TWO_AXLED.with_l
 const PMSM_CAR: PowertrainParams<BatteryParams, DriveParams<PmsmParams>> =
     BMW_I3_60AH_PMSM.powertrain;
 const PMSM_AXLE: Axles<Drive<PmsmDrive>> = must!(PMSM_CAR.drives.on(PMSM_CAR.wheel, DT));
+const THERMAL_CAR: PowertrainParams<BatteryParams, HeatedDriveParams> =
+    BMW_I3_60AH_THERMAL.powertrain;
+const THERMAL_AXLE: Axles<Drive<Heated<DcDrive>>> =
+    must!(THERMAL_CAR.drives.on(THERMAL_CAR.wheel, DT));
 const TWO_CAR: PowertrainParams<BatteryParams, (DriveParams<PmsmParams>, DriveParams)> =
     TWO_AXLES.powertrain;
 const REAR: Axles<Drive<PmsmDrive>> = must!(TWO_CAR.drives.0.on(TWO_CAR.wheel, DT));

@@ -8,7 +8,7 @@ use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::{Book, NoLedger};
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
-    BMW_I3_PMSM_LEDGER, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame, Monitor, Rig, Run,
+    BMW_I3_PMSM_LEDGER, BMW_I3_THERMAL, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame, Monitor, Rig, Run,
     TWO_AXLED, TWO_AXLED_LEDGER, Words,
 };
 
@@ -59,6 +59,7 @@ fn the_bits_are_golden() {
     is_golden("bmw-i3-60ah-constant", &BMW_I3_CONSTANT, &BMW_I3_CONSTANT_MONITOR);
     is_golden("bmw-i3-60ah", &BMW_I3, &BMW_I3_MONITOR);
     is_golden("bmw-i3-60ah-pmsm", &BMW_I3_PMSM, &BMW_I3_CONSTANT_MONITOR);
+    is_golden("bmw-i3-60ah-thermal", &BMW_I3_THERMAL, &BMW_I3_CONSTANT_MONITOR);
     is_golden("two-axles", &TWO_AXLED, &BMW_I3_CONSTANT_MONITOR);
 }
 

@@ -4,10 +4,12 @@
 //! examples. Whatever is wrong in one is reported with its line and column.
 
 mod conditions;
+mod drives;
 #[cfg(test)]
 mod tests;
 
 pub use conditions::{TripConditions, air_density_kg_m3};
+pub use drives::{DriveKind, MOST_DRIVES, VehicleDrives};
 
 use std::fmt;
 use std::path::Path;
@@ -18,11 +20,11 @@ use plant_core::battery::{BatteryParams, MappedBatteryParams};
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriver};
 use plant_core::converter::ConverterParams;
 use plant_core::machine::dc::DcMotorParams;
-use plant_core::machine::pmsm::PmsmParams;
+use plant_core::machine::heated::DriveThermalParams;
 use plant_core::mechanics::body::BodyParams;
 use plant_core::mechanics::gearbox::GearboxParams;
 use plant_core::mechanics::wheel::WheelParams;
-use plant_core::powertrain::{DriveParams, PackParams, PowertrainParams};
+use plant_core::powertrain::{PackParams, PowertrainParams};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde::{Deserialize, de};
@@ -32,6 +34,7 @@ use crate::read::builtin::{BuiltIn, is_toml};
 use crate::read::document::{CHECK_DT, Document};
 use crate::read::error::{self, InputError};
 use crate::read::recognise::FileKind;
+use drives::{DriveTable, PmsmTable, described};
 
 /// Every built-in vehicle.
 const BUILT_IN: BuiltIn = BuiltIn {
@@ -44,6 +47,7 @@ const BUILT_IN: BuiltIn = BuiltIn {
             include_str!("../../data/vehicles/bmw-i3-60ah-epowertrain.toml"),
         ),
         ("bmw-i3-60ah-pmsm", include_str!("../../data/vehicles/bmw-i3-60ah-pmsm.toml")),
+        ("bmw-i3-60ah-thermal", include_str!("../../data/vehicles/bmw-i3-60ah-thermal.toml")),
         ("epowertrain-udds", include_str!("../../data/vehicles/epowertrain-udds.toml")),
         ("epowertrain-udds-table", include_str!("../../data/vehicles/epowertrain-udds-table.toml")),
         ("two-axles", include_str!("../../data/vehicles/two-axles.toml")),
@@ -68,69 +72,6 @@ impl VehicleBattery {
             Self::Constant(battery) => battery.capacity_ah,
             Self::Mapped(battery) => battery.capacity_ah,
         }
-    }
-}
-
-/// A drive, whichever machine it has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DriveKind {
-    /// A DC machine.
-    Dc(DriveParams),
-    /// A permanent-magnet synchronous machine.
-    Pmsm(DriveParams<PmsmParams>),
-}
-
-/// The most drives that a file may describe.
-pub const MOST_DRIVES: usize = 4;
-
-/// The drives of a vehicle, at least one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VehicleDrives([Option<DriveKind>; MOST_DRIVES]);
-
-impl VehicleDrives {
-    /// In their order; those that are there come first.
-    #[must_use]
-    pub const fn as_slice(&self) -> &[Option<DriveKind>; MOST_DRIVES] {
-        &self.0
-    }
-
-    /// How many there are.
-    #[must_use]
-    pub fn count(&self) -> usize {
-        self.0.iter().flatten().count()
-    }
-
-    /// The one of a vehicle that has one, with a DC machine.
-    #[must_use]
-    pub const fn one_dc(&self) -> Option<&DriveParams> {
-        match &self.0 {
-            [Some(DriveKind::Dc(drive)), None, ..] => Some(drive),
-            _ => None,
-        }
-    }
-}
-
-impl From<(DriveParams<PmsmParams>, DriveParams)> for VehicleDrives {
-    fn from((one, two): (DriveParams<PmsmParams>, DriveParams)) -> Self {
-        Self([Some(DriveKind::Pmsm(one)), Some(DriveKind::Dc(two)), None, None])
-    }
-}
-
-impl From<DriveParams<PmsmParams>> for VehicleDrives {
-    fn from(drive: DriveParams<PmsmParams>) -> Self {
-        Self::from(DriveKind::Pmsm(drive))
-    }
-}
-
-impl From<DriveParams> for VehicleDrives {
-    fn from(drive: DriveParams) -> Self {
-        Self::from(DriveKind::Dc(drive))
-    }
-}
-
-impl From<DriveKind> for VehicleDrives {
-    fn from(drive: DriveKind) -> Self {
-        Self([Some(drive), None, None, None])
     }
 }
 
@@ -166,8 +107,9 @@ struct VehicleFile {
     auxiliary: AuxiliaryParams,
     converter: Option<ConverterParams>,
     motor: Option<DcMotorParams>,
-    pmsm: Option<PmsmParams>,
+    pmsm: Option<PmsmTable>,
     gearbox: Option<GearboxParams>,
+    thermal: Option<DriveThermalParams>,
     #[serde(default)]
     drive: Vec<DriveTable>,
     wheel: WheelParams,
@@ -179,40 +121,6 @@ struct VehicleFile {
     _fit: Option<IgnoredAny>,
     #[serde(default, rename = "standard_error")]
     _standard_error: Option<IgnoredAny>,
-}
-
-/// One of several drives as a file lays it out.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DriveTable {
-    #[serde(default)]
-    converter: ConverterParams,
-    motor: Option<DcMotorParams>,
-    pmsm: Option<PmsmParams>,
-    gearbox: GearboxParams,
-    torque_rate_per_s: Option<f32>,
-    torque_share: Option<f32>,
-}
-
-impl DriveTable {
-    /// The drive, or what is wrong with its machine.
-    fn kind(self) -> Result<DriveKind, &'static str> {
-        fn with<M>(table: &DriveTable, motor: M) -> DriveParams<M> {
-            let params = DriveParams::new(motor, table.gearbox);
-            DriveParams {
-                converter: table.converter,
-                torque_rate_per_s: table.torque_rate_per_s.unwrap_or(params.torque_rate_per_s),
-                torque_share: table.torque_share.unwrap_or(params.torque_share),
-                ..params
-            }
-        }
-        match (self.motor, &self.pmsm) {
-            (Some(motor), None) => Ok(DriveKind::Dc(with(&self, motor))),
-            (None, Some(pmsm)) => Ok(DriveKind::Pmsm(with(&self, *pmsm))),
-            (None, None) => Err("is missing, and there is no `pmsm`"),
-            (Some(_), Some(_)) => Err("stands beside a `pmsm`: only one of both may"),
-        }
-    }
 }
 
 /// Which battery a vehicle's file says it has.
@@ -308,7 +216,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         return Err(document.refusal("initial_soc", "must lie in 0..1"));
     }
     let several = !content.drive.is_empty();
-    let drives = drives(&document, &mut content)?;
+    let drives = described(&document, &mut content)?;
     let vehicle = Vehicle {
         name: content.name,
         description: content.description,
@@ -338,44 +246,6 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Vehicle, InputError> {
         return Err(document.refusal("driver.duty", rule));
     }
     Ok(vehicle)
-}
-
-/// The drives that a vehicle's file describes: one at the top, or a list.
-fn drives(document: &Document<'_>, content: &mut VehicleFile) -> Result<VehicleDrives, InputError> {
-    let tops = [
-        ("converter", content.converter.is_some()),
-        ("motor", content.motor.is_some()),
-        ("pmsm", content.pmsm.is_some()),
-        ("gearbox", content.gearbox.is_some()),
-    ];
-    let mut tables = std::mem::take(&mut content.drive);
-    let several = !tables.is_empty();
-    if several {
-        if let Some((key, _)) = tops.iter().find(|(_, there)| *there) {
-            return Err(document.refusal(key, "belongs into each of the tables [[drive]]"));
-        }
-    } else {
-        let Some(gearbox) = content.gearbox else {
-            return Err(document.refusal("gearbox", "is missing, and there is no table [[drive]]"));
-        };
-        tables.push(DriveTable {
-            converter: content.converter.unwrap_or_default(),
-            motor: content.motor,
-            pmsm: content.pmsm,
-            gearbox,
-            torque_rate_per_s: None,
-            torque_share: None,
-        });
-    }
-    if tables.len() > MOST_DRIVES {
-        return Err(document.refusal("drive", &format!("may stand {MOST_DRIVES} times at most")));
-    }
-    let mut found = [None; MOST_DRIVES];
-    for (n, (place, table)) in found.iter_mut().zip(tables).enumerate() {
-        let at = if several { format!("drive.{n}") } else { "motor".to_owned() };
-        *place = Some(table.kind().map_err(|what| document.refusal(&at, what))?);
-    }
-    Ok(VehicleDrives(found))
 }
 
 /// A built-in battery, or the file beside a vehicle's.
@@ -423,6 +293,8 @@ fn check_with(
         let built = match kind {
             DriveKind::Dc(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
             DriveKind::Pmsm(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
+            DriveKind::HeatedDc(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
+            DriveKind::HeatedPmsm(drive) => plant.with_drives(*drive).build(CHECK_DT).err(),
         };
         if let Some(error) = built {
             return Err((error, Some(n)));
@@ -445,7 +317,9 @@ fn in_file(document: &Document<'_>, field: &str, drive: Option<usize>) -> String
         && let Some((component, key)) = field.split_once('.')
     {
         match component {
-            "converter" | "motor" | "pmsm" | "gearbox" => return format!("drive.{n}.{field}"),
+            "converter" | "motor" | "pmsm" | "gearbox" | "thermal" => {
+                return format!("drive.{n}.{field}");
+            }
             "drive" => return format!("drive.{n}.{key}"),
             _ => {}
         }

@@ -38,11 +38,7 @@ pub fn sheet(netlist: &Netlist, run: &CircuitRun) -> anyhow::Result<String> {
     let panel = |e: &usize, title: &str, unit: &str, columns: &[Vec<f64>]| Panel {
         title: format!("{title} of {}", netlist.parts[*e].name),
         unit: unit.into(),
-        series: vec![Series {
-            name: netlist.parts[*e].name.clone(),
-            values: columns[*e].clone(),
-            kind: Kind::Simulated,
-        }],
+        series: vec![Series::new(&netlist.parts[*e].name, Kind::Simulated, columns[*e].clone())],
     };
     let voltages = netlist.plotted_v.iter().map(|e| panel(e, "Voltage", "V", &run.voltage_v));
     let currents = netlist.plotted_a.iter().map(|e| panel(e, "Current", "A", &run.current_a));

@@ -85,14 +85,17 @@ pub fn figures(s: &Summary) -> Vec<[String; 3]> {
         let theirs = measured.map_or_else(String::new, |m| number(pick(m), digits));
         [name.to_owned(), number(pick(&s.figures), digits), theirs]
     });
+    let hottest = s.drive_temperatures;
     let ours_only = [
-        ("speed error, RMS [m/s]", s.speed_error_rms_m_s),
-        ("speed error, largest [m/s]", s.speed_error_max_m_s),
+        ("speed error, RMS [m/s]", s.speed_error_rms_m_s, 4),
+        ("speed error, largest [m/s]", s.speed_error_max_m_s, 4),
+        ("machine, highest [°C]", hottest.map(|h| h.machine_max_c), 1),
+        ("inverter, highest [°C]", hottest.map(|h| h.inverter_max_c), 1),
     ];
     let ours_only = ours_only
         .into_iter()
-        .filter(|(_, value)| value.is_some())
-        .map(|(name, value)| [name.to_owned(), number(value, 4), String::new()]);
+        .filter(|(_, value, _)| value.is_some())
+        .map(|(name, value, digits)| [name.to_owned(), number(value, digits), String::new()]);
     both.chain(ours_only).collect()
 }
 

@@ -28,6 +28,12 @@ const COLUMNS: [Column; 18] = [
     ("battery_voltage_max_v", |r| f64::from(r.extremes.battery_voltage_v.1)),
 ];
 
+/// Those of a vehicle that has temperatures.
+const WARM: [Column; 2] = [
+    ("machine_c", |r| r.temperatures.map_or(f64::NAN, |t| f64::from(t.machine_c))),
+    ("inverter_c", |r| r.temperatures.map_or(f64::NAN, |t| f64::from(t.inverter_c))),
+];
+
 /// The trace as CSV; on trips with the measured values beside ours. A missing one is empty.
 pub fn csv(run: &Run, trip: Option<&Trip>) -> anyhow::Result<Vec<u8>> {
     let measured: Vec<(&str, &[f64])> = trip.map_or_else(Vec::new, |t| {
@@ -39,10 +45,12 @@ pub fn csv(run: &Run, trip: Option<&Trip>) -> anyhow::Result<Vec<u8>> {
         ]
     });
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS.iter().map(|c| c.0).chain(measured.iter().map(|m| m.0)))?;
+    let warm = if run.totals.temperatures.is_some() { &WARM[..] } else { &[] };
+    let columns: Vec<_> = COLUMNS.iter().chain(warm).collect();
+    writer.write_record(columns.iter().map(|c| c.0).chain(measured.iter().map(|m| m.0)))?;
     for (i, row) in run.trace.iter().enumerate() {
         // Six significant digits at least, and no noise of the conversion from f32.
-        let ours = COLUMNS.iter().map(|c| number(c.1(row)));
+        let ours = columns.iter().map(|c| number(c.1(row)));
         let theirs = measured.iter().map(|m| number(m.1.get(i).copied().unwrap_or(f64::NAN)));
         writer.write_record(ours.chain(theirs))?;
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use plant_core::machine::Temperatures;
 use plant_core::powertrain::ledger::EnergyReport;
 use serde::Serialize;
 
@@ -41,6 +42,9 @@ pub struct Summary {
     pub speed_error_max_m_s: Option<f64>,
     /// Steps in which a battery limit acted.
     pub limited_steps: u64,
+    /// How hot the drives became; of a vehicle that has temperatures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drive_temperatures: Option<Hottest>,
     /// Charge that the battery refused \[A·h\]; battery mode only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused_charge_ah: Option<f64>,
@@ -61,6 +65,27 @@ pub struct Summary {
     pub error: Option<Deviation>,
     /// What the user should know: quirks of the data, warnings.
     pub notes: Vec<String>,
+}
+
+/// The highest temperatures of a run, of several drives those of the hottest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Hottest {
+    /// The machine \[°C\].
+    pub machine_max_c: f64,
+    /// The inverter \[°C\].
+    pub inverter_max_c: f64,
+    /// What they left of the current limit at least, 0..1.
+    pub current_limit_left_min: f64,
+}
+
+impl From<Temperatures> for Hottest {
+    fn from(worst: Temperatures) -> Self {
+        Self {
+            machine_max_c: f64::from(worst.machine_c),
+            inverter_max_c: f64::from(worst.inverter_c),
+            current_limit_left_min: f64::from(worst.left),
+        }
+    }
 }
 
 /// What a long step costs: the difference from a run in steps of the default length.
@@ -95,6 +120,12 @@ impl Summary {
         if totals.limited_steps > 0 {
             notes.push(format!("a battery limit acted during {:.1} s", run.dt_s * limited));
         }
+        if let Some(worst) = totals.temperatures
+            && worst.left < 1.0
+        {
+            let left = 100.0 * worst.left;
+            notes.push(format!("a hot drive left {left:.0} % of its current limit at least"));
+        }
         Self {
             vehicle: vehicle.to_owned(),
             input: input.to_owned(),
@@ -117,6 +148,7 @@ impl Summary {
             speed_error_rms_m_s: drives.then(|| f64::sqrt(totals.speed_error_squares / steps)),
             speed_error_max_m_s: drives.then(|| f64::from(totals.speed_error_max_m_s)),
             limited_steps: totals.limited_steps,
+            drive_temperatures: totals.temperatures.map(Hottest::from),
             refused_charge_ah: (!drives).then(|| totals.refused_charge_c / 3600.0),
             energy: run.energy.map(|report| {
                 report.terms().into_iter().map(|(n, j)| (n, f64::from(j) / J_PER_KWH)).collect()

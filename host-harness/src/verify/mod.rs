@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `tolerance` | every target and tolerance, with its reason |
 //! | `adaptive`, `composed` | the independent solver and a vehicle's continuous equations |
-//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `circuit`, `converters`, `bridge`, `parts`, `battery_map`, `signals`, `trip` | the cases |
+//! | `udds`, `bench`, `motor`, `drives`, `torque_loops`, `heated`, `pmsm`, `field_oriented`, `sampled`, `sampled_vehicle`, `components`, `circuit`, `converters`, `bridge`, `parts`, `battery_map`, `signals`, `trip` | the cases |
 //! | [`experiment`] | `voltstep experiment` |
 //! | [`endurance`] | `voltstep endurance` |
 
@@ -22,6 +22,7 @@ mod drives;
 pub mod endurance;
 pub mod experiment;
 mod field_oriented;
+mod heated;
 mod link;
 mod motor;
 mod parts;
@@ -196,6 +197,7 @@ fn cases() -> Vec<Case> {
     cases.extend(pmsm::CASES);
     cases.extend(drives::CASES);
     cases.extend(torque_loops::CASES);
+    cases.extend(heated::CASES);
     cases.extend(field_oriented::CASES);
     cases.extend(sampled::CASES);
     cases.extend(sampled_vehicle::CASES);

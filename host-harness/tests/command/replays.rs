@@ -362,3 +362,43 @@ fn the_list_names_every_cycle_and_every_vehicle() {
         assert!(list.contains(&format!(" {name} ")), "{name}");
     }
 }
+
+/// A vehicle with temperatures shows them; on a hard cycle they derate it, and the summary says so.
+#[test]
+fn a_vehicle_that_heats_up() {
+    let sandbox = Sandbox::new();
+    let with: Vec<_> = COLUMNS.into_iter().chain(["machine_c", "inverter_c"]).collect();
+    let hottest = |summary: &Map<String, Value>| {
+        let rows = trace(&sandbox, &with);
+        let hot = object(summary, "drive_temperatures");
+        assert_eq!(rows[0][with.len() - 2..], [50.0, 50.0]);
+        for (column, key) in [(with.len() - 2, "machine_max_c"), (with.len() - 1, "inverter_max_c")]
+        {
+            let most = rows.iter().map(|row| row[column]).fold(f64::MIN, f64::max);
+            // Between two rows of the trace it is a little hotter.
+            assert!(
+                most <= number(hot, key) + 1e-3 && most > number(hot, key) - 2.0,
+                "{key}: {most}"
+            );
+        }
+        (number(hot, "inverter_max_c"), number(hot, "current_limit_left_min"))
+    };
+    let summary = replayed(&sandbox, &["udds", "--vehicle", "bmw-i3-60ah-thermal"]);
+    check_driven(&summary);
+    let (inverter_c, left) = hottest(&summary);
+    assert!((55.0..95.0).contains(&inverter_c) && left == 1.0, "{inverter_c} {left}");
+    let text = sandbox.succeed(&["replay", "udds", "--vehicle", "bmw-i3-60ah-thermal"]);
+    assert!(text.contains("machine, highest [°C]") && text.contains("inverter, highest [°C]"));
+    assert!(!text.contains("a hot drive left"), "{text}");
+    // Full throttle and hard braking, over and over.
+    let rows: String = (0..=300_u32).map(|k| format!("{},{}\n", 4 * k, 18 * (k % 2))).collect();
+    sandbox.write("hard.csv", &format!("time_s,speed_m_s\n{rows}"));
+    let summary = replayed(&sandbox, &["hard.csv", "--vehicle", "bmw-i3-60ah-thermal"]);
+    let (inverter_c, left) = hottest(&summary);
+    assert!(
+        (100.0..125.0).contains(&inverter_c) && (0.05..0.95).contains(&left),
+        "{inverter_c} {left}"
+    );
+    let notes = summary["notes"].as_array().unwrap();
+    assert!(notes.iter().any(|n| n.as_str().unwrap().starts_with("a hot drive left")), "{notes:?}");
+}

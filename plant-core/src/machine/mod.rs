@@ -5,12 +5,13 @@
 mod axis;
 pub mod dc;
 pub mod flux;
+pub mod heated;
 pub mod pmsm;
 pub mod transform;
 
 use crate::converter::Gates;
 use crate::mechanics::body::{Motion, Resistance};
-use crate::num::Real;
+use crate::num::{Real, max, min};
 use crate::port::{BusLaw, DriveLaw, Source};
 
 /// What a machine sees when a step begins.
@@ -118,6 +119,30 @@ impl core::ops::Add for MachineFlows {
             iron: self.iron + other.iron,
             field: self.field + other.field,
             numerical: self.numerical + other.numerical,
+        }
+    }
+}
+
+/// How warm a drive is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Temperatures {
+    /// The machine, its winding included \[°C\].
+    pub machine_c: Real,
+    /// The inverter \[°C\].
+    pub inverter_c: Real,
+    /// What both leave of the current limit, 0..1.
+    pub left: Real,
+}
+
+impl Temperatures {
+    /// Of two drives, the warmer parts and the less that is left.
+    #[must_use]
+    pub const fn worse(self, other: Self) -> Self {
+        Self {
+            machine_c: max(self.machine_c, other.machine_c),
+            inverter_c: max(self.inverter_c, other.inverter_c),
+            left: min(self.left, other.left),
         }
     }
 }
@@ -235,8 +260,21 @@ pub trait Machine: Copy {
     /// Motor speed per road speed \[rad/m\].
     fn motor_rad_per_m(&self) -> Real;
 
+    /// How warm it is, where it has temperatures.
+    #[inline(always)]
+    #[must_use]
+    fn temperatures(_output: &Self::Output) -> Option<Temperatures> {
+        None
+    }
+
     /// Whether the converter changed the command.
     fn is_clipped(link: &Self::Link) -> bool;
+    /// Whether a temperature holds a commanded torque back.
+    #[inline(always)]
+    #[must_use]
+    fn is_derated(_link: &Self::Link) -> bool {
+        false
+    }
     /// What a solution adds to the winding's current; where it pulls the bus down beyond the
     /// battery's greatest power (`collapsed`), as much as can be in that direction.
     fn reached(&self, state: &Self::State, link: &Self::Link, collapsed: bool) -> Self::Rise;

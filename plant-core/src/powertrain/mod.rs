@@ -59,7 +59,7 @@ mod output;
 mod params;
 mod solve;
 
-pub use drives::{Axles, Drive, DriveParams, Drives, Either, TORQUE_RATE_PER_S};
+pub use drives::{Axles, Drive, DriveParams, Drives, Either, HeatedDriveParams, TORQUE_RATE_PER_S};
 pub use input::PowertrainInput;
 pub use output::{Feedback, Limited, PowertrainOutput};
 pub use params::{DrivesParams, PackParams, PowertrainParams};
@@ -346,7 +346,13 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
         let solved = self.drives.solve(&state.drives, input.gates, seen, bus, &resistance);
         let mut walk = self.reviewed(state, &loads, solved);
         let mut battery = self.battery.next(&state.battery, walk.battery_a);
-        let mut limited = if D::is_clipped(&walk.link) { Limited::Duty } else { Limited::No };
+        let mut limited = if D::is_clipped(&walk.link) {
+            Limited::Duty
+        } else if D::is_derated(&walk.link) {
+            Limited::Current
+        } else {
+            Limited::No
+        };
         let (mut starved, mut exceeded_a, mut overcharged_c) = (false, 0.0, 0.0);
         if !self.keeps_limits(&walk, &battery, &input, bus.emf_v) {
             let kept = self.keep_limits(

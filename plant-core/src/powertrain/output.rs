@@ -5,7 +5,7 @@ use super::solve::{Loads, Walk};
 use super::{Powertrain, PowertrainState};
 use crate::battery::{Losses, Pack};
 use crate::machine::dc::DcDriveOutput;
-use crate::machine::{Footing, MachineFlows, Seen};
+use crate::machine::{Footing, MachineFlows, Seen, Temperatures};
 use crate::mechanics::body::Road;
 use crate::num::Real;
 use crate::port::Slip;
@@ -24,7 +24,7 @@ pub enum Limited {
     Charge,
     /// The commanded duty lay beyond the converter's limit.
     Duty,
-    /// The converter's current limit held it back.
+    /// The converter's current limit, or what a temperature leaves of it, held it back.
     Current,
 }
 
@@ -233,6 +233,15 @@ impl<L: Book, B: Pack, D: Drives> Powertrain<L, B, D> {
             limited: out.limited != Limited::No,
             slope_sin: out.slope_sin,
         }
+    }
+
+    /// How warm the drives of a state are, those that have temperatures; of several the warmest parts.
+    #[must_use]
+    pub fn temperatures(
+        &self,
+        state: &PowertrainState<L, B::State, D::State>,
+    ) -> Option<Temperatures> {
+        D::temperatures(&self.idle(state))
     }
 
     /// What a driver sees of a state before its first step.

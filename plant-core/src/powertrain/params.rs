@@ -1,12 +1,13 @@
 //! What a powertrain is built from.
 
 use super::Powertrain;
-use super::drives::{Axles, Drive, DriveParams, Drives};
+use super::drives::{Axles, Drive, DriveParams, Drives, HeatedDriveParams};
 use super::ledger::NoLedger;
 use crate::auxiliary::AuxiliaryParams;
 use crate::battery::{Battery, BatteryParams, MappedBattery, MappedBatteryParams, Pack};
 use crate::error::ParamError;
 use crate::machine::dc::{DcDrive, DcMotorParams};
+use crate::machine::heated::Heated;
 use crate::machine::pmsm::{PmsmDrive, PmsmParams};
 use crate::mechanics::body::BodyParams;
 use crate::mechanics::wheel::WheelParams;
@@ -115,6 +116,20 @@ impl DrivesParams for DriveParams<DcMotorParams> {
 impl DrivesParams for DriveParams<PmsmParams> {
     type Drives = Drive<PmsmDrive>;
     fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<Drive<PmsmDrive>>, ParamError> {
+        self.on(wheel, dt)
+    }
+}
+
+impl DrivesParams for HeatedDriveParams<DcMotorParams> {
+    type Drives = Drive<Heated<DcDrive>>;
+    fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<Self::Drives>, ParamError> {
+        self.on(wheel, dt)
+    }
+}
+
+impl DrivesParams for HeatedDriveParams<PmsmParams> {
+    type Drives = Drive<Heated<PmsmDrive>>;
+    fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<Self::Drives>, ParamError> {
         self.on(wheel, dt)
     }
 }

@@ -4,9 +4,11 @@
 
 mod batteries;
 mod table_5_2;
+mod thermal;
 
 pub use batteries::{BMW_I3_60AH_PACK, PANASONIC_NCR18650PF};
 pub use table_5_2::{BMW_I3_60AH_TABLE_5_2, EPOWERTRAIN_TABLE_5_2, IdentifiedAt};
+pub use thermal::BMW_I3_60AH_THERMAL;
 
 use crate::auxiliary::AuxiliaryParams;
 use crate::battery::{

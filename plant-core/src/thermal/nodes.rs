@@ -118,6 +118,16 @@ impl ThermalNode {
         let ([cooling_w], _) = self.chain.flows_w(&[temperature_c], &[input.ambient_c]);
         ThermalNodeOutput { temperature_c, cooling_w, rejected }
     }
+
+    /// Advances what it is above surroundings that stay as they are \[K\] by one step; what is absurd
+    /// changes nothing.
+    #[inline(always)]
+    pub(crate) fn step_above(&self, above_k: &mut Accum, heat_w: Real) {
+        let [increment_k] = self.chain.increments_k(&[above_k.get()], &[0.0], &[heat_w]);
+        if sane(heat_w) && sane(above_k.get() + increment_k) {
+            above_k.add(increment_k);
+        }
+    }
 }
 
 impl_model!(ThermalNode, ThermalNodeState, ThermalNodeInput, ThermalNodeOutput);

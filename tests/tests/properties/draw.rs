@@ -50,7 +50,7 @@ pub fn drawn<T: std::fmt::Debug>(
     spread: Spread,
     make: impl Fn(&mut Draw) -> T,
 ) -> impl Strategy<Value = T> {
-    let numbers = prop::collection::vec(-1.0..=1.0, 64);
+    let numbers = prop::collection::vec(-1.0..=1.0, 96);
     (numbers, any::<u64>(), any::<u64>()).prop_map(move |(numbers, one, other)| {
         make(&mut Draw { spread, numbers: numbers.into_iter(), flags: one & other })
     })
@@ -59,7 +59,7 @@ pub fn drawn<T: std::fmt::Debug>(
 impl Draw {
     /// A number in −1..1.
     pub fn number(&mut self) -> f64 {
-        self.numbers.next().expect("64 numbers are enough for every set of parameters")
+        self.numbers.next().expect("96 numbers are enough for every set of parameters")
     }
 
     /// True once in four.

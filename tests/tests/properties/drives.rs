@@ -1,16 +1,18 @@
 //! Composed plants of two drives, each a DC or a synchronous machine, in `f32` and in the f64 twin:
 //! any input is refused or leaves all finite, the ledger closes, shorted terminals are passive,
-//! limits hold.
+//! limits hold. The same of drives that heat up.
 
 use plant_core::auxiliary::AuxiliaryParams;
 use plant_core::battery::{BatteryParams, CurrentLimits};
 use plant_core::converter::{ConverterParams, Gates};
 use plant_core::machine::dc::DcMotorParams;
 use plant_core::machine::flux::Flux;
+use plant_core::machine::heated::{DriveThermalParams, HeatedPartParams};
 use plant_core::machine::pmsm::{DqCurrents, PmsmParams};
 use plant_core::machine::transform::Dq as Vector;
 use plant_core::mechanics::body::Road;
-use plant_core::powertrain::{DriveParams, PowertrainInput, PowertrainParams};
+use plant_core::powertrain::{DriveParams, HeatedDriveParams, PowertrainInput, PowertrainParams};
+use plant_core::thermal::Conductor;
 use plant_core::{Accum, Dt, Real};
 use proptest::prelude::*;
 use serde::Serialize;
@@ -50,6 +52,37 @@ fn dq(d: &mut Draw) -> Dq {
     // Its largest value is larger in double precision than its bound.
     let motor = PmsmParams { resistance_per_k: 0.99 * motor.resistance_per_k, ..motor };
     DriveParams { converter, ..DriveParams::new(motor, draw::gearbox(d)) }
+}
+
+/// Cold to too hot from the start on, small enough to warm up in a few steps; a current limit that
+/// can be derated.
+fn heated<M>(d: &mut Draw, mut drive: DriveParams<M>) -> HeatedDriveParams<M> {
+    let limit_a = &mut drive.converter.current_limit_a;
+    *limit_a = limit_a.min(1e4);
+    let mut part = || {
+        let derate_from_c = 40.0 + 60.0 * d.ratio();
+        HeatedPartParams {
+            heat_capacity_j_per_k: d.near(30.0),
+            coolant_k_per_w: d.near(0.02),
+            derate_from_c,
+            derate_to_c: derate_from_c + 1.0 + 50.0 * d.ratio(),
+        }
+    };
+    let (machine, inverter) = (part(), part());
+    let winding = Conductor { reference_c: 20.0, per_k: 0.009 * d.ratio() };
+    let thermal =
+        DriveThermalParams { coolant_c: -40.0 + 160.0 * d.ratio(), machine, inverter, winding };
+    HeatedDriveParams { drive, thermal }
+}
+
+fn hot_dc(d: &mut Draw) -> HeatedDriveParams {
+    let drive = dc(d);
+    heated(d, drive)
+}
+
+fn hot_dq(d: &mut Draw) -> HeatedDriveParams<PmsmParams> {
+    let drive = dq(d);
+    heated(d, drive)
 }
 
 /// Nothing is infinite, so that the twin can take the parameters as text.
@@ -165,6 +198,9 @@ macro_rules! driven_in_both {
 
 type TwinDc = plant_core_f64::powertrain::DriveParams<plant_core_f64::machine::dc::DcMotorParams>;
 type TwinDq = plant_core_f64::powertrain::DriveParams<plant_core_f64::machine::pmsm::PmsmParams>;
+type TwinHot<M> = plant_core_f64::powertrain::HeatedDriveParams<M>;
+type TwinHotDc = TwinHot<plant_core_f64::machine::dc::DcMotorParams>;
+type TwinHotDq = TwinHot<plant_core_f64::machine::pmsm::PmsmParams>;
 type Twin<A, B> =
     plant_core_f64::powertrain::PowertrainParams<plant_core_f64::battery::BatteryParams, (A, B)>;
 
@@ -209,6 +245,77 @@ proptest! {
         command in commands(),
     ) {
         driven_in_both!(params, Twin<TwinDc, TwinDc>, command);
+    }
+
+    #[test]
+    fn heated_drives_keep_limits(
+        params in drawn(PLAUSIBLE, vehicle(hot_dq, hot_dc)),
+        command in commands(),
+    ) {
+        limited_in_both!(params, Twin<TwinHotDq, TwinHotDc>, command);
+    }
+
+    #[test]
+    fn heated_drives_keep_books(
+        params in drawn(PLAUSIBLE, vehicle(hot_dq, hot_dc)),
+        command in commands(),
+    ) {
+        driven_in_both!(params, Twin<TwinHotDq, TwinHotDc>, command);
+    }
+
+    /// As warm as it is, a machine is passive with its winding shorted, whatever its resistance
+    /// becomes; what it loses is in the nodes.
+    #[test]
+    fn shorted_heated_machines_are_passive(
+        params in drawn(PLAUSIBLE, vehicle(hot_dc, hot_dc)),
+        dt_s in log(1e-5, 1.0),
+        speed_m_s in signed(40.0),
+        (one_a, two_a) in (signed(500.0), signed(500.0)),
+        (above_k, inverter_k) in (signed(300.0), signed(300.0)),
+    ) {
+        let plant = params.build(Dt::from_s(dt_s).unwrap()).unwrap();
+        let mut s = plant.at_speed(0.6, speed_m_s).unwrap();
+        (s.drives.0.machine, s.drives.1.machine) = (Accum::new(one_a), Accum::new(two_a));
+        s.drives.0.machine_above_k = Accum::new(above_k);
+        s.drives.1.inverter_above_k = Accum::new(inverter_k);
+        let (one, two) = (params.drives.0.drive.motor, params.drives.1.drive.motor);
+        let stored = |a: Accum, b: Accum, v: Real| {
+            let squares = |factor: Real, x: Real| f64::from(factor) * f64::from(x).powi(2);
+            0.5 * (squares(one.inductance_h, a.get()) + squares(two.inductance_h, b.get()))
+                + 0.5 * squares(plant.moving_mass_kg(), v)
+        };
+        let mut last_j = f64::INFINITY;
+        for n in 0..STEPS {
+            let shorted = (Gates::On(0.0), Gates::On(0.0));
+            let out = plant.step(&mut s, PowertrainInput::with(shorted));
+            prop_assert!(!out.rejected, "{out:?}");
+            let now_j =
+                stored(s.drives.0.machine, s.drives.1.machine, s.body.speed_m_s.get());
+            prop_assert!(now_j <= last_j * (1.0 + ROUNDING) + 1e-30, "{n}: {last_j} {now_j} {out:?}");
+            last_j = now_j;
+        }
+    }
+
+    /// As for drives without temperatures, whatever these are.
+    #[test]
+    fn any_input_of_heated_drives_is_refused_or_leaves_all_finite(
+        (params, dt) in drawn(FINITE, |d| (vehicle(hot_dq, hot_dc)(d), d.dt())),
+        (above_k, inverter_k) in (signed(1e6), signed(1e6)),
+        inputs in prop::collection::vec((any_bits(), any_bits(), any_bits()), 1..20),
+    ) {
+        let Ok(plant) = params.build(dt) else { return Ok(()) };
+        let mut s = plant.at_rest(0.6).unwrap();
+        s.drives.0.machine_above_k = Accum::new(above_k);
+        s.drives.1.inverter_above_k = Accum::new(inverter_k);
+        for (torque_nm, duty, auxiliary_w) in inputs {
+            let before = format!("{s:?}");
+            let commands = (Gates::Torque(torque_nm), Gates::On(duty));
+            let input = PowertrainInput { auxiliary_w, ..PowertrainInput::with(commands) };
+            let out = plant.step(&mut s, input);
+            let after = format!("{s:?}");
+            prop_assert!(all_finite(&after) && all_finite(&format!("{out:?}")), "{input:?}: {out:?}");
+            prop_assert!(!out.rejected || after == before, "{input:?} was refused, and changed it");
+        }
     }
 
     /// Rolling, both windings shorted: motion and fields together never rise.

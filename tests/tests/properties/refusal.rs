@@ -11,6 +11,7 @@ use plant_core::control::pid::{Pid, PidParams};
 use plant_core::converter::{Converter, ConverterParams};
 use plant_core::machine::dc::{DcMotor, DcMotorParams};
 use plant_core::machine::flux::{Flux, LinearFlux};
+use plant_core::machine::heated::{DriveThermalParams, HeatedPartParams};
 use plant_core::machine::pmsm::{Pmsm, PmsmParams};
 use plant_core::mechanics::body::{Body, BodyParams, RoadResistance};
 use plant_core::mechanics::gearbox::{Gearbox, GearboxParams};
@@ -20,7 +21,7 @@ use plant_core::mechanics::rotational::{
 use plant_core::mechanics::slope::{Slope, SlopeParams};
 use plant_core::mechanics::wheel::{Wheel, WheelParams};
 use plant_core::num::SocTable;
-use plant_core::powertrain::{DriveParams, Powertrain, PowertrainParams};
+use plant_core::powertrain::{DriveParams, HeatedDriveParams, Powertrain, PowertrainParams};
 use plant_core::presets::{BMW_I3_60AH_CONSTANT, EPOWERTRAIN_UDDS, PMSM_EPOWERTRAIN};
 use plant_core::signal::faults::{
     Drift, DriftParams, Lapse, LapseKind, LapseParams, Noise, NoiseParams,
@@ -441,6 +442,33 @@ fn thermal() {
         derate_to_c: &[100.0, 0.0, NAN, -INF],
     });
     refuses!(Conductor::checked, Conductor: Conductor::COPPER, {
+        reference_c: &[-101.0, 301.0, NAN, INF],
+        per_k: &[-1e-9, 0.021, NAN, INF],
+    });
+    let part = HeatedPartParams {
+        heat_capacity_j_per_k: 500.0,
+        coolant_k_per_w: 0.1,
+        derate_from_c: 100.0,
+        derate_to_c: 150.0,
+    };
+    let warm = DriveThermalParams { machine: part, inverter: part, ..DriveThermalParams::NONE };
+    let car = BMW_I3_60AH_CONSTANT.powertrain;
+    let heated = |thermal| HeatedDriveParams { drive: car.drives, thermal }.on(car.wheel, DT);
+    for within in [
+        |machine, warm| DriveThermalParams { machine, ..warm },
+        |inverter, warm| DriveThermalParams { inverter, ..warm },
+    ] {
+        refuses!(|part| heated(within(part, warm)), HeatedPartParams: part, {
+            heat_capacity_j_per_k: LIMIT,
+            coolant_k_per_w: LIMIT,
+            derate_from_c: &[-274.0, NAN, -INF],
+            derate_to_c: &[100.0, 0.0, NAN, -INF],
+        });
+    }
+    refuses!(heated, DriveThermalParams: warm, {
+        coolant_c: &[-101.0, 201.0, NAN, INF],
+    } beside machine, inverter, winding);
+    refuses!(|winding| heated(DriveThermalParams { winding, ..warm }), Conductor: Conductor::COPPER, {
         reference_c: &[-101.0, 301.0, NAN, INF],
         per_k: &[-1e-9, 0.021, NAN, INF],
     });

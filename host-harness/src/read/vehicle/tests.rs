@@ -162,7 +162,7 @@ fn an_unknown_key() {
         "  title =",
         "1:3: unknown key `title`; expected one of `name`, `description`, `source`, \
          `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `pmsm`, `gearbox`, \
-         `drive`, `wheel`, `body`, `driver`, `trips`, `fit`, `standard_error`",
+         `thermal`, `drive`, `wheel`, `body`, `driver`, `trips`, `fit`, `standard_error`",
     );
     says(
         "a_n =",
@@ -345,7 +345,7 @@ fn values_of_the_wrong_type() {
         "[x]",
         "39:2: unknown table [x]; expected one of `name`, `description`, `source`, \
          `initial_soc`, `battery`, `auxiliary`, `converter`, `motor`, `pmsm`, `gearbox`, \
-         `drive`, `wheel`, `body`, `driver`, `trips`, `fit`, `standard_error`",
+         `thermal`, `drive`, `wheel`, `body`, `driver`, `trips`, `fit`, `standard_error`",
     );
 }
 
@@ -372,7 +372,7 @@ fn syntax_errors() {
 #[test]
 fn a_name_that_is_not_known() {
     let list = "(built in: `bmw-i3-60ah`, `bmw-i3-60ah-constant`, `bmw-i3-60ah-epowertrain`, \
-                `bmw-i3-60ah-pmsm`, `epowertrain-udds`, `epowertrain-udds-table`, `two-axles`; or the path of a .toml file)";
+                `bmw-i3-60ah-pmsm`, `bmw-i3-60ah-thermal`, `epowertrain-udds`, `epowertrain-udds-table`, `two-axles`; or the path of a .toml file)";
     let error = load("bmw-i3-60").unwrap_err().to_string();
     assert_eq!(error, format!("bmw-i3-60: no such vehicle; did you mean `bmw-i3-60ah`? {list}"));
     assert_eq!(load("tank").unwrap_err().to_string(), format!("tank: no such vehicle {list}"));
@@ -431,4 +431,104 @@ fn several_drives() {
         refused("[gearbox]\nratio = 5.0\nefficiency = 0.95\ninertia_kg_m2 = 0.0\n")
             .contains("`motor` is missing, and there is no `pmsm`")
     );
+}
+
+/// A drive that heats up, at the top and in a list, and what is wrong with its temperatures.
+#[test]
+fn temperatures_of_a_drive() {
+    let (_, text) = BUILT_IN.files.iter().find(|f| f.0 == "bmw-i3-60ah-thermal").unwrap();
+    let one = parse("x.toml", text.as_bytes()).unwrap().powertrain;
+    let start = text.find("[converter]").unwrap();
+    let end = text.find("[wheel]").unwrap();
+    let mut listed = text[start..end].to_owned();
+    for table in ["converter", "motor", "gearbox", "thermal", "thermal.machine"] {
+        listed = listed.replace(&format!("\n[{table}]"), &format!("\n[drive.{table}]"));
+    }
+    listed = listed.replace("[converter]", "[drive.converter]");
+    listed = listed.replace("[thermal.inverter]", "[drive.thermal.inverter]");
+    listed = listed.replace("[thermal.winding]", "[drive.thermal.winding]");
+    let listed = format!("{}[[drive]]\n{listed}{}", &text[..start], &text[end..]);
+    assert_eq!(parse("x.toml", listed.as_bytes()).unwrap().powertrain, one);
+    for (text, table) in [(*text, "thermal"), (listed.as_str(), "drive.thermal")] {
+        for (from, to, key, rule) in [
+            (
+                "derate_to_c = 180.0",
+                "derate_to_c = 139.0",
+                "derate_to_c",
+                "must lie above the field",
+            ),
+            (
+                "coolant_k_per_w = 0.08",
+                "coolant_k_per_w = 0",
+                "coolant_k_per_w",
+                "must be at least",
+            ),
+        ] {
+            let line = 1 + text.lines().position(|l| l.starts_with(from)).unwrap();
+            let error = parse("x.toml", text.replace(from, to).as_bytes()).unwrap_err().to_string();
+            let said = format!("x.toml:{line}:1: `{key}` in [{table}.machine] {rule}");
+            assert!(error.starts_with(&said), "{error}");
+        }
+    }
+    let unknown = text.replace("derate_to_c = 180.0", "derate_to = 180.0");
+    let error = parse("x.toml", unknown.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("unknown key `derate_to` in [thermal.machine]"), "{error}");
+    let without = text.replace("[thermal.winding]", "[thermal.winding]\n[fit]");
+    let error = parse("x.toml", without.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("missing key `reference_c`"), "{error}");
+}
+
+/// A flux map in a file: that of constant inductances is read as such; what is wrong in it has a
+/// place.
+#[test]
+fn a_flux_map() {
+    let (_, text) = BUILT_IN.files.iter().find(|f| f.0 == "bmw-i3-60ah-pmsm").unwrap();
+    let rows: String = (0..5_i8)
+        .flat_map(|d| (0..7_i8).map(move |q| (f32::from(d - 4) * 200.0, f32::from(q - 3) * 250.0)))
+        .map(|(d, q)| format!("  [{:?}, {:?}],\n", 0.04 + 1e-4 * d, 2e-4 * q))
+        .collect();
+    let map = format!(
+        "[pmsm.flux.map]\nd = {{ start_a = -800.0, step_a = 200.0, points = 5 }}\n\
+         q = {{ start_a = -750.0, step_a = 250.0, points = 7 }}\nflux_wb = [\n{rows}]\n\n"
+    );
+    let (start, end) = (text.find("[pmsm.flux.linear]").unwrap(), text.find("[gearbox]").unwrap());
+    let mapped = format!("{}{map}{}", &text[..start], &text[end..]);
+    let read = |text: &str| parse("x.toml", text.as_bytes());
+    let vehicle = read(&mapped).unwrap();
+    let [Some(DriveKind::Pmsm(drive)), None, ..] = vehicle.powertrain.drives.as_slice() else {
+        panic!("{:?}", vehicle.powertrain.drives)
+    };
+    let at = drive.motor.flux.at(plant_core::machine::transform::Dq { d: -130.0, q: 310.0 });
+    assert!((at.flux_wb.d - 0.027).abs() < 1e-6 && (at.flux_wb.q - 0.062).abs() < 1e-6, "{at:?}");
+    // Read again it is the same table, kept once.
+    assert_eq!(read(&mapped).unwrap(), vehicle);
+    let line = |key: &str| 1 + mapped.lines().position(|l| l.starts_with(key)).unwrap();
+    let refused = |from: &str, to: &str| {
+        assert!(mapped.contains(from), "{from}");
+        read(&mapped.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    let (d, flux) = (line("d = "), line("flux_wb"));
+    for (from, to, said) in [
+        (
+            "points = 5",
+            "points = 4",
+            format!("x.toml:{flux}:1: `flux_wb` in [pmsm.flux.map] must have as many entries"),
+        ),
+        (
+            "points = 5",
+            "points = 3",
+            format!("x.toml:{d}:41: `points` in [pmsm.flux.map.d] must lie in the range"),
+        ),
+        ("step_a = 200.0", "step_a = 0.0", format!("x.toml:{d}:25: `step_a` in [pmsm.flux.map.d]")),
+        (
+            "[0.039999999, 0.0]",
+            "[-0.9, 0.0]",
+            format!("x.toml:{flux}:1: `flux_wb` in [pmsm.flux.map] must not decrease"),
+        ),
+        ("[0.039999999, 0.0]", "[0.04]", String::from("invalid length 1")),
+    ] {
+        let from = if from.starts_with("[0.0399") { "[0.04, 0.0]" } else { from };
+        let error = refused(from, to);
+        assert!(error.contains(&said), "{error}\n{said}");
+    }
 }

@@ -7,6 +7,7 @@ mod vehicle;
 
 use std::time::Duration;
 
+use plant_core::machine::Temperatures;
 use plant_core::num;
 use plant_core::powertrain::ledger::EnergyReport;
 
@@ -48,6 +49,8 @@ pub struct TraceRow {
     /// The lowest and highest of every step since the row before, so that nothing is lost between
     /// two rows; where there was none, of the row itself.
     pub extremes: Extremes,
+    /// How warm the drives are; of a vehicle that has temperatures.
+    pub temperatures: Option<Temperatures>,
 }
 
 /// Lowest and highest value of what may jump from step to step.
@@ -106,6 +109,9 @@ pub struct Totals {
     pub limited_steps: u64,
     /// Charge that the battery refused \[C\], without its sign (battery mode).
     pub refused_charge_c: f64,
+    /// The highest temperatures of the drives, and the least that they left of a current limit; of a
+    /// vehicle that has temperatures.
+    pub temperatures: Option<Temperatures>,
 }
 
 impl Default for Totals {
@@ -119,6 +125,7 @@ impl Default for Totals {
             battery_energy_j: 0.0,
             limited_steps: 0,
             refused_charge_c: 0.0,
+            temperatures: None,
         }
     }
 }

@@ -132,6 +132,7 @@ impl Drive<'_> {
             battery_voltage_v: start.battery_v,
             soc: self.start_soc,
             slope_sin: first.grade.sin,
+            temperatures: plant.temperatures(&start),
             ..TraceRow::default()
         };
         trace.push(TraceRow { extremes: Extremes::of(&start_row), ..start_row });
@@ -271,6 +272,11 @@ impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
             kept.battery_current_a = out.battery_a;
             kept.battery_voltage_v = out.battery_v;
             kept.soc = out.soc;
+            kept.temperatures = D::temperatures(&out.drives);
+            totals.temperatures = match (totals.temperatures, kept.temperatures) {
+                (Some(worst), Some(now)) => Some(worst.worse(now)),
+                (worst, now) => worst.or(now),
+            };
         }
         totals.widen(&extremes);
         kept.extremes = extremes;

@@ -205,6 +205,54 @@ pub const PMSM_ENERGY: [Bound; 3] = [
     Bound::new("energy error, 10 ms over 1 ms", Some(10.0), Factor(2.0), "first order", GAIN),
     Bound::new("energy error, 1 ms over 0.1 ms", Some(10.0), Factor(2.0), "first order", GAIN),
 ];
+/// A drive that heats up: temperature of the machine, of the inverter, speed, each at 1 ms, and how
+/// its error falls from 10 ms to 1 ms, from 1 ms to 0.1 ms.
+pub const HEATED: [[Bound; 3]; 3] = [
+    [
+        heated("temperature of the machine at 1 ms, largest difference [K]", 2e-2),
+        fall("machine's error, 10 ms over 1 ms"),
+        fall("machine's error, 1 ms over 0.1 ms"),
+    ],
+    [
+        heated("temperature of the inverter at 1 ms, largest difference [K]", 4e-2),
+        fall("inverter's error, 10 ms over 1 ms"),
+        fall("inverter's error, 1 ms over 0.1 ms"),
+    ],
+    [
+        heated(SPEED_1MS, 1e-2),
+        fall("speed error, 10 ms over 1 ms"),
+        fall("speed error, 1 ms over 0.1 ms"),
+    ],
+];
+/// What its temperatures leave of the current limit.
+pub const HEATED_LEFT: [Bound; 2] = [
+    Bound::new(
+        "least that is left of the current limit",
+        None,
+        Absolute(1e-3),
+        ADAPTIVE,
+        "first order: 0.04 of it for each kelvin of the inverter",
+    ),
+    Bound::new(
+        "the same, so that it is derated",
+        None,
+        AtMost(0.8),
+        "the case",
+        "it asks for 0.81 of the limit",
+    ),
+];
+
+const fn heated(quantity: &'static str, most: f64) -> Bound {
+    Bound::new(quantity, None, AtMost(most), ADAPTIVE, REVERSED)
+}
+
+const REVERSED: &str =
+    "first order: at a reversal of the torque the loop lags by the bus of a step";
+
+const fn fall(quantity: &'static str) -> Bound {
+    Bound::new(quantity, Some(10.0), Factor(2.0), "first order", GAIN)
+}
+
 pub const LIMIT_HELD: Bound = Bound::new(
     "battery current that a limit holds [A]",
     None,

@@ -173,6 +173,12 @@ impl DqWinding {
         Self { pole_pairs: self.pole_pairs * ratio, iron: self.iron * (ratio * ratio), ..self }
     }
 
+    /// The same with another resistance of a phase \[Ω\].
+    #[inline]
+    pub(crate) const fn with_resistance(self, resistance_ohm: Real) -> Self {
+        Self { resistance_ohm, ..self }
+    }
+
     /// One over the step \[1/s\].
     #[inline]
     pub(crate) const fn per_h(&self) -> Real {

@@ -81,7 +81,7 @@ pub struct Axles<D> {
     /// Losses of the converters that do not depend on their load \[W\].
     pub(in crate::powertrain) constant_loss_w: Real,
     /// Turns of the first motor (rad) per metre of road.
-    motor_rad_per_m: Real,
+    pub(super) motor_rad_per_m: Real,
 }
 
 impl<D: Copy> Axles<D> {

@@ -1,7 +1,7 @@
 //! A drive that is one of two, told apart at run time.
 
 use super::{Drives, Mode, Shares, Wishes};
-use crate::machine::{Held, MachineFlows, Review, Seen};
+use crate::machine::{Held, MachineFlows, Review, Seen, Temperatures};
 use crate::num::Real;
 use crate::port::{BusLaw, DriveLaw};
 
@@ -15,6 +15,13 @@ pub enum Either<A, B> {
     One(A),
     /// The other.
     Other(B),
+}
+
+/// That of the one: where neither counts, so that pairs of them nest.
+impl<A: Default, B> Default for Either<A, B> {
+    fn default() -> Self {
+        Self::One(A::default())
+    }
 }
 
 /// Asks the drive that it is, with what belongs to it.
@@ -183,10 +190,24 @@ where
         }
     }
 
+    fn temperatures(output: &Self::Output) -> Option<Temperatures> {
+        match output {
+            Either::One(of) => A::temperatures(of),
+            Either::Other(of) => B::temperatures(of),
+        }
+    }
+
     fn is_clipped(link: &Self::Link) -> bool {
         match link {
             Either::One(of) => A::is_clipped(of),
             Either::Other(of) => B::is_clipped(of),
+        }
+    }
+
+    fn is_derated(link: &Self::Link) -> bool {
+        match link {
+            Either::One(of) => A::is_derated(of),
+            Either::Other(of) => B::is_derated(of),
         }
     }
 

@@ -7,15 +7,17 @@
 
 mod axles;
 mod either;
+mod heated;
 mod pair;
 mod shares;
 mod single;
 
 pub use axles::{Axles, Drive, DriveParams, TORQUE_RATE_PER_S};
 pub use either::Either;
+pub use heated::HeatedDriveParams;
 pub use shares::{Mode, Shares, Wishes};
 
-use crate::machine::{Held, MachineFlows, Review, Seen, Solved};
+use crate::machine::{Held, MachineFlows, Review, Seen, Solved, Temperatures};
 use crate::mechanics::body::Resistance;
 use crate::num::Real;
 use crate::port::{BusLaw, DriveLaw, Source};
@@ -110,8 +112,12 @@ pub trait Drives: Copy {
     fn field_j(&self, state: &Self::State) -> Real;
     /// Of the first motor; see [`Machine::motor_rad_per_m`](crate::machine::Machine::motor_rad_per_m).
     fn motor_rad_per_m(&self) -> Real;
+    /// How warm they are, those that have temperatures; of several the warmest parts.
+    fn temperatures(output: &Self::Output) -> Option<Temperatures>;
     /// Whether a converter changed its command.
     fn is_clipped(link: &Self::Link) -> bool;
+    /// See [`Machine::is_derated`](crate::machine::Machine::is_derated).
+    fn is_derated(link: &Self::Link) -> bool;
     /// See [`Machine::reached`](crate::machine::Machine::reached).
     fn reached(&self, state: &Self::State, link: &Self::Link, collapsed: bool) -> Self::Rises;
     /// See [`Machine::within_winding`](crate::machine::Machine::within_winding).

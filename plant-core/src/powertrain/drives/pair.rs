@@ -1,7 +1,7 @@
 //! Two drives, or two pairs of them.
 
 use super::{Drives, Mode, Shares, Wishes};
-use crate::machine::{Footing, Held, MachineFlows, Review, Seen};
+use crate::machine::{Footing, Held, MachineFlows, Review, Seen, Temperatures};
 use crate::num::Real;
 use crate::port::{BusLaw, DriveLaw};
 
@@ -144,8 +144,21 @@ impl<A: Drives, B: Drives> Drives for (A, B) {
     }
 
     #[inline(always)]
+    fn temperatures(output: &Self::Output) -> Option<Temperatures> {
+        match (A::temperatures(&output.0), B::temperatures(&output.1)) {
+            (Some(one), Some(two)) => Some(one.worse(two)),
+            (one, two) => one.or(two),
+        }
+    }
+
+    #[inline(always)]
     fn is_clipped(link: &Self::Link) -> bool {
         A::is_clipped(&link.0) || B::is_clipped(&link.1)
+    }
+
+    #[inline(always)]
+    fn is_derated(link: &Self::Link) -> bool {
+        A::is_derated(&link.0) || B::is_derated(&link.1)
     }
 
     fn reached(&self, state: &Self::State, link: &Self::Link, collapsed: bool) -> Self::Rises {

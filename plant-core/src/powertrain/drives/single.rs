@@ -2,7 +2,7 @@
 
 use super::{Drive, Drives, Mode, Shares, Wishes};
 use crate::converter::Gates;
-use crate::machine::{Footing, Held, Machine, MachineFlows, Review, Seen, Solved};
+use crate::machine::{Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Temperatures};
 use crate::mechanics::body::Resistance;
 use crate::num::Real;
 use crate::port::{BusLaw, DriveLaw, Source};
@@ -117,8 +117,18 @@ impl<M: Machine> Drives for Drive<M> {
     }
 
     #[inline(always)]
+    fn temperatures(output: &M::Output) -> Option<Temperatures> {
+        M::temperatures(output)
+    }
+
+    #[inline(always)]
     fn is_clipped(link: &M::Link) -> bool {
         M::is_clipped(link)
+    }
+
+    #[inline(always)]
+    fn is_derated(link: &M::Link) -> bool {
+        M::is_derated(link)
     }
 
     fn reached(&self, state: &M::State, link: &M::Link, collapsed: bool) -> M::Rise {

@@ -9,8 +9,9 @@ fn every_built_in_file_equals_its_preset_and_the_other_way_round() {
     let constant = presets::VEHICLES.map(|preset| in_full(preset, VehicleBattery::Constant));
     let mapped = presets::MAPPED_VEHICLES.map(|preset| in_full(preset, VehicleBattery::Mapped));
     let pmsm = in_full(&presets::BMW_I3_60AH_PMSM, VehicleBattery::Constant);
+    let thermal = in_full(&presets::BMW_I3_60AH_THERMAL, VehicleBattery::Constant);
     let two_axles = in_full(&presets::TWO_AXLES, VehicleBattery::Constant);
-    let mut expected = [&constant[..], &mapped, &[pmsm, two_axles]].concat();
+    let mut expected = [&constant[..], &mapped, &[pmsm, thermal, two_axles]].concat();
     expected.sort_by(|a, b| a.name.cmp(&b.name));
     let built_in = builtin();
     assert_eq!(built_in.len(), expected.len());

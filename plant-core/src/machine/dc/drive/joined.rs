@@ -3,6 +3,7 @@
 use super::{DcDrive, DcDriveOutput, DcLink};
 use crate::converter::Gates;
 use crate::machine::axis::{Axis, AxisBounds, ROUNDING};
+use crate::machine::heated::HeatedMachine;
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Solved, Wish};
 use crate::mechanics::body::Resistance;
 use crate::num::{Accum, LARGEST, Real, clamp, sign};
@@ -277,5 +278,23 @@ impl Machine for DcDrive {
         let duty = self.converter.allowed_duty(asked);
         let nearest = if duty == asked { None } else { Some(Gates::On(duty)) };
         (DcLink { duty, ..imposed }, nearest)
+    }
+}
+
+impl HeatedMachine for DcDrive {
+    #[inline(always)]
+    fn with(&self, winding_ohm: Real, current_limit_a: Real) -> Self {
+        let mut other = *self;
+        other.converter.params.current_limit_a = current_limit_a;
+        other.resistance_ohm = winding_ohm + self.converter.params.resistance_ohm;
+        other.step_ohm = self.inductance_ohm + other.resistance_ohm;
+        other.admittance_s = 1.0 / (self.inductance_ohm + other.resistance_ohm);
+        other
+    }
+
+    #[inline(always)]
+    fn holds(&self, gates: Gates, _link: &DcLink) -> bool {
+        let most_nm = self.converter.params.current_limit_a * self.torque_nm_per_a;
+        matches!(gates, Gates::Torque(torque_nm) if torque_nm.abs() > most_nm)
     }
 }

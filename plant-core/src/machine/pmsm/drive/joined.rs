@@ -3,6 +3,7 @@
 use super::{DqCurrents, PmsmDrive, PmsmDriveOutput, PmsmLink};
 use crate::converter::Gates;
 use crate::machine::axis::{Axis, AxisBounds};
+use crate::machine::heated::HeatedMachine;
 use crate::machine::transform::{Dq, LARGEST_PER_BUS};
 use crate::machine::{Bounds, Footing, Held, Machine, MachineFlows, Review, Seen, Wish};
 use crate::num::{Real, clamp, max, min, sqrt};
@@ -288,5 +289,24 @@ impl Machine for PmsmDrive {
         let nearest =
             if clipped { Some(Gates::On(per_bus * (1.0 / LARGEST_PER_BUS))) } else { None };
         (imposed, nearest)
+    }
+}
+
+/// From what share of it on a current stands at its limit.
+const AT_LIMIT: Real = 0.9999;
+
+impl HeatedMachine for PmsmDrive {
+    #[inline(always)]
+    fn with(&self, winding_ohm: Real, current_limit_a: Real) -> Self {
+        let mut other = *self;
+        other.current_limit_a = current_limit_a;
+        other.winding = self.winding.with_resistance(winding_ohm + self.inverter_ohm);
+        other
+    }
+
+    #[inline(always)]
+    fn holds(&self, gates: Gates<Dq>, link: &PmsmLink) -> bool {
+        let most_a = AT_LIMIT * self.current_limit_a;
+        matches!(gates, Gates::Torque(_)) && link.ends_a.dot(link.ends_a) >= most_a * most_a
     }
 }
