@@ -483,13 +483,14 @@ fn temperatures_of_a_drive() {
 #[test]
 fn a_flux_map() {
     let (_, text) = BUILT_IN.files.iter().find(|f| f.0 == "bmw-i3-60ah-pmsm").unwrap();
-    let rows: String = (0..5_i8)
+    let rows: Vec<_> = (0..5_i8)
         .flat_map(|d| (0..7_i8).map(move |q| (f32::from(d - 4) * 200.0, f32::from(q - 3) * 250.0)))
         .map(|(d, q)| format!("  [{:?}, {:?}],\n", 0.04 + 1e-4 * d, 2e-4 * q))
         .collect();
     let map = format!(
         "[pmsm.flux.map]\nd = {{ start_a = -800.0, step_a = 200.0, points = 5 }}\n\
-         q = {{ start_a = -750.0, step_a = 250.0, points = 7 }}\nflux_wb = [\n{rows}]\n\n"
+         q = {{ start_a = -750.0, step_a = 250.0, points = 7 }}\nflux_wb = [\n{}]\n\n",
+        rows.concat()
     );
     let (start, end) = (text.find("[pmsm.flux.linear]").unwrap(), text.find("[gearbox]").unwrap());
     let mapped = format!("{}{map}{}", &text[..start], &text[end..]);
@@ -521,13 +522,12 @@ fn a_flux_map() {
         ),
         ("step_a = 200.0", "step_a = 0.0", format!("x.toml:{d}:25: `step_a` in [pmsm.flux.map.d]")),
         (
-            "[0.039999999, 0.0]",
+            "[0.04, 0.0]",
             "[-0.9, 0.0]",
             format!("x.toml:{flux}:1: `flux_wb` in [pmsm.flux.map] must not decrease"),
         ),
-        ("[0.039999999, 0.0]", "[0.04]", String::from("invalid length 1")),
+        ("[0.04, 0.0]", "[0.04]", String::from("invalid length 1")),
     ] {
-        let from = if from.starts_with("[0.0399") { "[0.04, 0.0]" } else { from };
         let error = refused(from, to);
         assert!(error.contains(&said), "{error}\n{said}");
     }
