@@ -11,5 +11,6 @@ mod document;
 pub mod error;
 pub mod input;
 pub mod recognise;
+pub mod scenario;
 pub mod trip;
 pub mod vehicle;

@@ -13,6 +13,7 @@ pub(crate) mod identified;
 mod plot;
 pub(crate) mod progress;
 pub(crate) mod rewind;
+pub(crate) mod scenario;
 pub(crate) mod sheet;
 pub(crate) mod summary;
 pub(crate) mod table;

@@ -7,6 +7,7 @@ mod measured;
 mod refusals;
 mod replays;
 mod rewind;
+mod scenario;
 mod soc;
 
 use std::collections::BTreeMap;
