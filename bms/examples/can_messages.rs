@@ -167,12 +167,8 @@ fn events() {
         frame,
     };
     for (number, part) in (0_u8..).zip(log_parts(&entry)) {
-        // The first holds the number, and three bytes of the time.
-        let bytes = if number == 0 {
-            Some(("Bytes", f64::from(0x0403_0201_u32) + 327_680.0 * 65_536.0))
-        } else {
-            None
-        };
+        // The first holds the number and three bytes of the time: 0x06_00_05_04_03_02_01.
+        let bytes = if number == 0 { Some(("Bytes", 1_688_871_402_406_401.0)) } else { None };
         let mut expected = vec![("Part", f64::from(number))];
         expected.extend(bytes);
         show(&part, &expected);
