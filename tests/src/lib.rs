@@ -7,6 +7,7 @@
 //! | `bms_pack` | coulomb counter, cells and record: honest, finite, never a wrong record |
 //! | `bms_power` | the state of power's currents and powers, tried on the plant |
 //! | `bms_soh` | the state of health of a faded cell after ten days of driving and charging |
+//! | `bms_trips` | nothing trips on the measured current of trips; real ones where `VOLTSTEP_DATA` names them |
 //! | `coverage` | every public model has a case in `voltstep validate` |
 //! | `pmsm` | the synchronous machine against its equations, saturation included, and on a measured map |
 //! | `order` | order of convergence, stability and steady state at any step |

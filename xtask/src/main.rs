@@ -14,6 +14,7 @@ mod compare;
 mod counted;
 mod counts;
 mod data;
+mod dbc;
 mod documents;
 mod examples;
 mod firmware;

@@ -55,6 +55,7 @@ pub const PARTS: &[Part] = &[
         "the C header is up to date; C gives the same bits here and in QEMU",
         crate::capi::capi,
     ),
+    part("dbc", "cantools reads the CAN messages as the code writes them", crate::dbc::dbc),
     part("counts", "what each step costs on target is no more than before", crate::counts::counts),
     part(
         "generated",

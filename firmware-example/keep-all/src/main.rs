@@ -24,7 +24,7 @@ use plant_core::control::foc::{Foc, FocState};
 use plant_core::control::pid::{Pid, PidState};
 use plant_core::converter::{Converter, Gates};
 use plant_core::error;
-use plant_core::link::{Contactor, Link, LinkState};
+use plant_core::link::{Contactor, Insulation, Link, LinkState};
 use plant_core::machine::dc::{CurrentLaw, DcMotor, DcMotorParams, Winding};
 use plant_core::machine::flux::Flux;
 use plant_core::machine::heated::Heated;
@@ -143,7 +143,7 @@ fn main() -> ! {
 fn components() {
     keep!(
         Contactor::new, Contactor::step, plant_core::link::ContactorState::is_closed, <Contactor as Model>::step, LinkState::charged_to, Link::new,
-        Link::step, <Link as Model>::step,
+        Link::step, <Link as Model>::step, Insulation::new, Insulation::step, <Insulation as Model>::step,
         Circuit::new, circuit::Circuit::<4, 6, 6, 16>::tabled, Circuit::branches, Circuit::step, circuit::Circuit::<4, 6, 6, 16>::step, Circuit::books, <Circuit as Model>::step,
         Phases::new, Phases::coil, Phases::constants_nm_per_a, CircuitInput::<6>::of, circuit::sources::<6>, circuit::two_states::<6>, circuit::Branch::new, circuit::h_bridge, circuit::three_phase,
         Auxiliary::new, Auxiliary::constant_power_a, Auxiliary::cut_out_s, Auxiliary::step,

@@ -1,17 +1,23 @@
 //! `voltstep bms`.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
 use clap::Args;
 
 use super::out::Out;
+use super::serve::{On, serve};
 use crate::evaluate::campaign;
+use crate::read::scenario;
 use crate::show;
 use crate::show::report::folder as overview;
 
 #[derive(Args, Debug)]
 pub struct Arguments {
+    /// Drive this scenario instead: a cycle or a charger, a place to start from, faults
+    #[arg(conflicts_with_all = ["each", "hours", "serve", "out"])]
+    scenario: Option<PathBuf>,
     /// Only every so many of the cases
     #[arg(long, value_name = "N", default_value_t = 1)]
     each: usize,
@@ -22,6 +28,14 @@ pub struct Arguments {
     /// a vehicle or charger on standard input
     #[arg(long, conflicts_with_all = ["each", "hours", "out", "json"])]
     serve: bool,
+    /// Serve whoever connects to this address of this machine instead of standard input and output;
+    /// port 0 takes any that is free; the address is printed
+    #[arg(long, value_name = "127.0.0.1:PORT", requires = "serve")]
+    listen: Option<SocketAddr>,
+    /// Serve this interface of `SocketCAN` (`vcan0`)
+    #[cfg(target_os = "linux")]
+    #[arg(long, value_name = "INTERFACE", requires = "serve", conflicts_with = "listen")]
+    can: Option<String>,
     /// How long to serve [default: until nobody reads]
     #[arg(long, value_name = "S", requires = "serve", default_value_t = f64::INFINITY, hide_default_value = true)]
     seconds: f64,
@@ -39,11 +53,22 @@ pub struct Arguments {
 /// Plants faults in a pack that a BMS drives, and prints what became of them.
 ///
 /// # Errors
-/// A figure out of its range.
+/// A figure out of its range; a scenario that cannot be read.
 pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
-    let Arguments { each, hours, serve, seconds, soc, json, ref out } = *arguments;
-    if serve {
-        return super::serve::serve(seconds, soc);
+    let Arguments {
+        scenario, each, hours, serve: serving, listen, seconds, soc, json, out, ..
+    } = arguments;
+    let (each, hours, json) = (*each, *hours, *json);
+    if let Some(path) = scenario {
+        let judged = campaign::scenario::judge(&scenario::load(path)?)?;
+        super::print(&if json { show::json(&judged)? } else { show::scenario::render(&judged) })?;
+        return Ok(judged.is_good());
+    }
+    if *serving {
+        let on = listen.map_or(On::Standard, On::Tcp);
+        #[cfg(target_os = "linux")]
+        let on = arguments.can.clone().map_or(on, On::Can);
+        return serve(&on, *seconds, *soc);
     }
     ensure!((1..=1000).contains(&each), "--each {each}: must lie in 1..1000");
     ensure!((0.0..=1000.0).contains(&hours), "--hours {hours}: must lie in 0..1000");

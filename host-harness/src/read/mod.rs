@@ -12,5 +12,6 @@ pub mod error;
 pub mod input;
 pub mod netlist;
 pub mod recognise;
+pub mod scenario;
 pub mod trip;
 pub mod vehicle;

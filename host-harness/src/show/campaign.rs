@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::evaluate::campaign::{Fault, Judged, Report, Verdict};
+use crate::evaluate::campaign::{Judged, Report, Verdict};
+use crate::read::scenario::Fault;
 use crate::show::table::table;
 
 /// What became of a case, in words.
@@ -14,6 +15,11 @@ pub const VERDICTS: [(Verdict, &str); 6] = [
     (Verdict::Missed, "missed"),
     (Verdict::Late, "late"),
 ];
+
+/// A verdict in words.
+pub fn words(verdict: Verdict) -> &'static str {
+    VERDICTS.iter().find(|(known, _)| *known == verdict).map_or("", |(_, words)| words)
+}
 
 /// A row for each fault, what failed, the margins.
 pub fn render(report: &Report) -> String {

@@ -15,6 +15,7 @@ pub(crate) mod plot;
 pub(crate) mod progress;
 pub(crate) mod report;
 pub(crate) mod rewind;
+pub(crate) mod scenario;
 pub(crate) mod sheet;
 pub(crate) mod summary;
 pub(crate) mod table;

@@ -1,8 +1,8 @@
 //! What lies between battery and vehicle, against closed forms.
 
 use plant_core::link::{
-    Contactor, ContactorFault, ContactorInput, ContactorParams, ContactorState, Link, LinkInput,
-    LinkParams, LinkState,
+    Contactor, ContactorFault, ContactorInput, ContactorParams, ContactorState, Insulation,
+    InsulationInput, InsulationParams, InsulationState, Link, LinkInput, LinkParams, LinkState,
 };
 use plant_core::port::Source;
 use plant_core::{Dt, Real};
@@ -10,9 +10,10 @@ use plant_core::{Dt, Real};
 use super::tolerance as t;
 use super::{Case, Checks};
 
-pub(super) const CASES: [Case; 2] = [
+pub(super) const CASES: [Case; 3] = [
     Case { name: "precharge of the link", models: &["Link"], run: precharge },
     Case { name: "contactor", models: &["Contactor"], run: contactor },
+    Case { name: "insulation to the chassis", models: &["Insulation"], run: insulation },
 ];
 
 const DT_S: f64 = 1e-4;
@@ -82,5 +83,23 @@ fn contactor(checks: &mut Checks) -> anyhow::Result<()> {
             contactor.step(&mut state, input);
         }
     }
+    Ok(())
+}
+
+/// The measured resistance is that of the leak, on either side of the pack.
+fn insulation(checks: &mut Checks) -> anyhow::Result<()> {
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
+    let (dt, pack_v) = (Dt::from_s(DT_S as Real)?, PACK_V as Real);
+    let insulation = Insulation::new(InsulationParams::USUAL, dt)?;
+    let mut worst = 0.0_f64;
+    for (plus_ohm, minus_ohm) in [(35.5e3, 3e6), (3e6, 35.5e3), (150e3, Real::INFINITY)] {
+        let mut state = InsulationState::default();
+        let input = InsulationInput { pack_v, plus_ohm, minus_ohm };
+        let readings = (0..81_000).filter_map(|_| insulation.step(&mut state, input).measured_ohm);
+        let measured = readings.last().map_or(f64::NAN, f64::from);
+        let error = (measured / f64::from(plus_ohm.min(minus_ohm)) - 1.0).abs();
+        worst = if error > worst || error.is_nan() { error } else { worst };
+    }
+    checks.add(&t::INSULATION_MEASURED, worst);
     Ok(())
 }

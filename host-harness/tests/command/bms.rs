@@ -1,13 +1,19 @@
 //! `voltstep bms`.
 
-use std::io::Write;
-use std::process::Stdio;
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, ChildStdout, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use voltstep_bms::comm::can::{Command, Message, Status, alive_after};
 use voltstep_bms::contactor::Phase;
 use voltstep_bms::limit::Request;
 use voltstep_bms::protect::Clear;
+
+#[cfg(target_os = "linux")]
+use socketcan::{CanSocket, EmbeddedFrame, Socket};
 
 use super::Sandbox;
 
@@ -74,4 +80,104 @@ fn a_vehicle_can_talk_to_a_pack_that_is_not_there() {
     assert_eq!(phases.len(), 200, "a status every 10 ms");
     assert!(phases.contains(&Phase::Standby), "{phases:?}");
     assert!(phases.contains(&Phase::Closed), "{phases:?}");
+}
+
+/// `voltstep bms --serve --listen 127.0.0.1:0`, and the address that it prints.
+fn listening(sandbox: &Sandbox, seconds: &str) -> (Child, BufReader<ChildStdout>, String) {
+    let args = ["bms", "--serve", "--listen", "127.0.0.1:0", "--seconds", seconds];
+    let mut child = sandbox.command(&args).stdout(Stdio::piped()).spawn().unwrap();
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut said = String::new();
+    out.read_line(&mut said).unwrap();
+    let address = said.trim().strip_prefix("listening on ").unwrap().to_owned();
+    (child, out, address)
+}
+
+fn connect(address: &str) -> TcpStream {
+    let stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+    stream
+}
+
+fn request(stream: &mut TcpStream, request: Request, alive: u8) {
+    let message = Command { request, clear: Clear::No }.encode_vehicle(alive);
+    let mut line = format!("(1700000000.5) can0 {:03X}#", message.id());
+    for byte in message.data() {
+        line.push_str(&format!("{byte:02X}"));
+    }
+    writeln!(stream, "{line}").unwrap();
+}
+
+#[test]
+fn several_vehicles_can_talk_to_it_over_tcp() {
+    let sandbox = Sandbox::new();
+    let (mut child, _out, address) = listening(&sandbox, "10");
+    let (mut speaks, listens) = (connect(&address), connect(&address));
+    let mut lines = BufReader::new(listens).lines();
+    let start = Instant::now();
+    let (mut alive, mut closed, mut seen) = (0, false, 0);
+    while !closed && start.elapsed() < Duration::from_secs(9) {
+        let wanted = if seen < 20 { Request::Off } else { Request::Drive };
+        request(&mut speaks, wanted, alive);
+        alive = alive_after(alive);
+        // A status comes every 10 ms, a request is due every 20.
+        for _ in 0..2 {
+            let status = (&mut lines).map_while(Result::ok).find_map(|line| status(&line));
+            let status = status.expect("the pack went on");
+            closed |= status.phase == Phase::Closed;
+            seen += 1;
+        }
+    }
+    assert!(closed, "what one asked for, the other saw: {seen} statuses");
+    // Whoever goes, sends rubbish or a line without end takes nothing away from the others.
+    drop(speaks);
+    let mut wild = connect(&address);
+    wild.write_all(&vec![b'x'; 20_000]).unwrap();
+    let after = (&mut lines).map_while(Result::ok).filter_map(|line| status(&line)).take(50);
+    assert_eq!(after.count(), 50);
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(lines.map_while(Result::ok).count() < 100_000, "it ended");
+}
+
+#[test]
+fn only_an_address_of_this_machine_is_served() {
+    let sandbox = Sandbox::new();
+    let holds = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let taken = holds.local_addr().unwrap().to_string();
+    for (address, part) in [
+        ("0.0.0.0:0", "--listen 0.0.0.0:0: must be an address of this machine alone"),
+        ("nowhere", "invalid value 'nowhere'"),
+        (taken.as_str(), "--listen 127.0.0.1:"),
+    ] {
+        let finished = sandbox.run(&["bms", "--serve", "--seconds", "1", "--listen", address]);
+        assert_eq!(finished.code, Some(2), "{address}");
+        assert!(finished.stderr.contains(part), "{}", finished.stderr);
+    }
+    assert_eq!(sandbox.run(&["bms", "--listen", "127.0.0.1:0"]).code, Some(2));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_interface_of_socketcan_is_served() {
+    let sandbox = Sandbox::new();
+    let nowhere = sandbox.run(&["bms", "--serve", "--seconds", "1", "--can", "none0"]);
+    assert_eq!(nowhere.code, Some(2));
+    assert!(nowhere.stderr.contains("--can none0"), "{}", nowhere.stderr);
+    if !Path::new("/sys/class/net/vcan0").exists() {
+        // Not by a macro: the test runner keeps to itself what a test that passes prints.
+        let how = "`ip link add vcan0 type vcan; ip link set up vcan0`";
+        let _ = writeln!(std::io::stderr(), "SKIPPED the test on SocketCAN: no vcan0 ({how})");
+        return;
+    }
+    let listens = CanSocket::open("vcan0").unwrap();
+    listens.set_read_timeout(Duration::from_secs(10)).unwrap();
+    let args = ["bms", "--serve", "--seconds", "2", "--can", "vcan0"];
+    let mut child = sandbox.command(&args).spawn().unwrap();
+    let mut found = 0;
+    while found < 50 {
+        let frame = listens.read_frame().unwrap();
+        found += usize::from(Message::of(&frame).is_some_and(|m| Status::decode(&m).is_some()));
+        assert!(frame.dlc() <= 8);
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(0));
 }

@@ -9,6 +9,7 @@ mod refusals;
 mod replays;
 mod reports;
 mod rewind;
+mod scenario;
 mod soc;
 
 use std::collections::BTreeMap;

@@ -4,17 +4,22 @@
 //! - [`Link`]: `C·dv/dt = i − i_load − v/R_bleed` behind them, fed by
 //!   `i = (emf − v)/(R_battery + R_path)`, taken implicitly: stable at any step
 //! - the fuse: `∫(i² − i_rated²) dt`, never below zero, against its melting integral
+//! - [`Insulation`]: leakage from either pole to the chassis, and a switched bridge that measures it
 //!
 //! With `v` of the end of the step both in the current and at the capacitor, the charge that leaves the
 //! battery is to rounding what load, bleeder and capacitor take up.
 //!
-//! It is ours. Tests: `tests` below; cases "precharge of the link", "contactor"; with a BMS, `voltstep
+//! It is ours. Tests: `tests` below; cases "precharge of the link", "contactor", "insulation to the chassis"; with a BMS, `voltstep
 //! bms`.
 
 mod contactor;
+mod insulation;
 
 pub use contactor::{
     Contactor, ContactorFault, ContactorInput, ContactorOutput, ContactorParams, ContactorState,
+};
+pub use insulation::{
+    Insulation, InsulationInput, InsulationOutput, InsulationParams, InsulationState,
 };
 
 use crate::error::{ParamError, check, limit, positive};

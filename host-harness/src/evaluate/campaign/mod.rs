@@ -4,11 +4,12 @@
 //! first opened, until a true cell leaves its absolute limits. The difference is how long before the
 //! harm it opened. What the BMS sees goes through sensors with noise; what is judged are the true cells.
 
-mod fault;
+mod demand;
 mod rig;
+pub mod scenario;
 mod virtual_pack;
 
-pub use fault::{Fault, Planted, When};
+use demand::Demand;
 pub use rig::Harm;
 use rig::Rig;
 pub use virtual_pack::VirtualPack;
@@ -27,8 +28,8 @@ use voltstep_bms::protect::{
 };
 use voltstep_bms::store::record::Record;
 
-const CELLS: usize = 14;
-const SENSORS: usize = 3;
+use crate::read::scenario::{CELLS, Fault, Planted, SENSORS, When};
+
 const PARALLEL: u8 = 20;
 const PRECHARGE_OHM: f32 = 33.0;
 /// A pack of 14 groups of 20 cells of the size 18650, as their data sheet states them.
@@ -85,16 +86,16 @@ pub struct Case {
     seed: u32,
 }
 
-/// What came of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// What came of it, the worst last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The contactors opened, or did not close, and no cell was harmed.
-    InTime,
-    /// It was written down or power was taken back, and no cell was harmed.
-    Noticed,
     /// Nothing was noticed and nothing harmed, for a reason that was known before.
     Harmless,
+    /// It was written down or power was taken back, and no cell was harmed.
+    Noticed,
+    /// The contactors opened, or did not close, and no cell was harmed.
+    InTime,
     /// A cell left its limits in the end, or in the open pack: nothing that contactors can do.
     BeyondContactors,
     /// It should have been noticed.
@@ -215,7 +216,8 @@ pub fn run(each: usize, hours: f64) -> Result<Report, ParamError> {
 struct Drive {
     rig: Rig,
     state: BmsState<CELLS, SENSORS>,
-    charging: bool,
+    demand: Demand,
+    asked: Request,
     /// The request ends \[ms\].
     until_ms: u32,
 }
@@ -223,9 +225,9 @@ struct Drive {
 impl Drive {
     fn new(
         (soc, temperature_c): (f32, f32),
-        charging: bool,
+        demand: Demand,
         seed: u32,
-        planted: Option<Planted>,
+        planted: Vec<Planted>,
     ) -> Result<Self, ParamError> {
         let memory = EkfMemory { soc, soc_sd: 0.02, ..EkfMemory::UNKNOWN };
         let record = Record {
@@ -233,21 +235,22 @@ impl Drive {
             polarisation: Some(Polarisation::NONE),
             ..Record::of(memory, Health::as_new(PACK.battery()))
         };
+        let charging = matches!(demand, Demand::Constant(_));
         Ok(Self {
             rig: Rig::new(soc, temperature_c, seed, planted)?,
             state: BMS.start(Some(&record), Some(160), temperature_c)?,
-            charging,
+            demand,
+            asked: if charging { Request::Charge } else { Request::Drive },
             until_ms: u32::MAX,
         })
     }
 
     fn step(&mut self) {
         let limits = *self.state.limits();
-        self.rig.drive(&limits, self.charging);
+        self.rig.drive(&limits, &self.demand);
         self.rig.advance();
-        let on = if self.charging { Request::Charge } else { Request::Drive };
         let asked = self.rig.ms > ASKED_MS && self.rig.ms < self.until_ms;
-        let vehicle = if asked { on } else { Request::Off };
+        let vehicle = if asked { self.asked } else { Request::Off };
         BMS.request(&mut self.state, Asked { vehicle, ..Asked::NOTHING });
         BMS.tick(&mut self.state, &mut self.rig);
     }
@@ -257,70 +260,107 @@ impl Drive {
     }
 }
 
-/// Drives a case with the BMS, then without.
-fn judge(case: &Case) -> Result<Judged, ParamError> {
-    let planted = Planted { fault: case.fault, much: case.much, from_ms: case.from_ms };
-    let place = (case.soc, case.temperature_c);
-    let mut drive = Drive::new(place, case.charging, case.seed, Some(planted))?;
-    if case.fault.shows_when_opening() {
-        drive.until_ms = case.from_ms + FAULT_MS;
-    }
-    let mut rows = Faults::NONE;
-    let mut trips = Trip::None;
-    let mut already = Faults::NONE;
-    let (mut opened, mut fork, mut reached) = (None, None, false);
-    let before = case.fault.when() == When::Before;
-    for ms in 1..=case.from_ms + FAULT_MS + WATCHED_MS {
+/// What was seen of a drive with faults.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Rows that had tripped before the first.
+    already: Faults,
+    /// Rows that tripped after it.
+    rows: Faults,
+    trip: Trip,
+    /// The contactors were closed once.
+    reached: bool,
+    /// They opened after the first fault \[ms\].
+    opened_ms: Option<u32>,
+    /// So long before harm, had they stayed closed \[ms\].
+    before_harm_ms: Option<u32>,
+}
+
+/// Drives until an end, a harm, or shortly after the contactors have opened, and from there once more
+/// as if nobody had reacted: contactors held closed, limits as before the first fault; says each step.
+fn watch(drive: &mut Drive, from_ms: u32, end_ms: u32, mut each: impl FnMut(&Drive)) -> Seen {
+    let (mut already, mut rows, mut trip) = (Faults::NONE, Faults::NONE, Trip::None);
+    let (mut opened_ms, mut fork, mut reached) = (None, None, false);
+    let mut before = *drive.state.limits();
+    // A weld is looked for once the contactors have opened, while the link falls.
+    let after_ms = if drive.until_ms < u32::MAX { WATCHED_MS } else { FAULT_MS };
+    for ms in 1..=end_ms {
         drive.step();
+        each(drive);
         let verdict = drive.state.verdict();
-        if ms > case.from_ms {
+        if ms > from_ms {
             rows = rows.union(verdict.tripped).union(verdict.latched);
-            trips = trips.max(verdict.trip);
+            trip = trip.max(verdict.trip);
         } else {
             already = verdict.tripped;
+            before = *drive.state.limits();
         }
         let phase = drive.phase();
         reached |= phase == Phase::Closed;
         let opens = reached && !matches!(phase, Phase::Closed | Phase::Shed);
-        if opens && opened.is_none() && ms > case.from_ms {
-            opened = Some(ms - case.from_ms);
+        if opens && opened_ms.is_none() && ms > from_ms {
+            opened_ms = Some(ms);
             fork = Some(drive.rig.clone());
         }
-        if drive.rig.harm.is_some() || opened.is_some_and(|at| ms > case.from_ms + at + 3000) {
+        if drive.rig.harm.is_some() || opened_ms.is_some_and(|at_ms| ms > at_ms + after_ms) {
             break;
         }
     }
-    let closed = Coils { minus: true, precharge: false, plus: true };
     let before_harm_ms = fork.and_then(|mut rig| {
-        rig.held = Some(closed);
+        rig.held = Some(Coils { minus: true, precharge: false, plus: true });
         let from_ms = rig.ms;
         while rig.harm.is_none() && rig.ms < from_ms + 2 * WATCHED_MS {
+            rig.drive(&before, &drive.demand);
             rig.advance();
         }
         rig.harm.map(|_| rig.ms - from_ms)
     });
-    let rows = rows.minus(already);
-    let noticed = !rows.is_empty() || trips > Trip::None;
-    let cause = drive.state.contactors().cause();
-    let refused = before && (!reached || cause != Cause::None);
+    Seen { already, rows: rows.minus(already), trip, reached, opened_ms, before_harm_ms }
+}
+
+impl Seen {
+    fn noticed(&self) -> bool {
+        !self.rows.is_empty() || self.trip > Trip::None
+    }
+
+    /// What came of a fault, for which there is a reason not to notice it or none.
+    fn verdict(&self, drive: &Drive, fault: Fault, reason: Option<&'static str>) -> Verdict {
+        let cause = drive.state.contactors().cause();
+        let refused = fault.when() == When::Before && (!self.reached || cause != Cause::None);
+        // Asked to, they open with whatever is welded.
+        let opened = self.opened_ms.is_some() && !fault.shows_when_opening();
+        match drive.rig.harm {
+            Some(_) if self.opened_ms.is_some() => Verdict::BeyondContactors,
+            Some(_) => Verdict::Late,
+            None if opened || refused => Verdict::InTime,
+            None if self.noticed() => Verdict::Noticed,
+            None if reason.is_some() || !self.reached => Verdict::Harmless,
+            None => Verdict::Missed,
+        }
+    }
+}
+
+/// Drives a case with the BMS, then without.
+fn judge(case: &Case) -> Result<Judged, ParamError> {
+    let planted = Planted::new(case.fault, case.much, case.from_ms);
+    let place = (case.soc, case.temperature_c);
+    let mut drive = Drive::new(place, Demand::of(case.charging), case.seed, vec![planted])?;
+    if case.fault.shows_when_opening() {
+        drive.until_ms = case.from_ms + FAULT_MS;
+    }
+    let end_ms = case.from_ms + FAULT_MS + WATCHED_MS;
+    let seen = watch(&mut drive, case.from_ms, end_ms, |_| {});
     let reason = case.fault.need_not_be_noticed(case.severity);
-    let verdict = match drive.rig.harm {
-        Some(_) if opened.is_some() => Verdict::BeyondContactors,
-        Some(_) => Verdict::Late,
-        None if opened.is_some() || refused => Verdict::InTime,
-        None if noticed => Verdict::Noticed,
-        None if reason.is_some() || !reached => Verdict::Harmless,
-        None => Verdict::Missed,
-    };
+    let verdict = seen.verdict(&drive, case.fault, reason);
     Ok(Judged {
         case: *case,
         verdict,
-        opened_ms: opened,
-        before_harm_ms,
+        opened_ms: seen.opened_ms.map(|ms| ms - case.from_ms),
+        before_harm_ms: seen.before_harm_ms,
         harm: drive.rig.harm,
         reason: if verdict == Verdict::Harmless { reason } else { None },
-        before: names(already),
-        rows: names(rows),
+        before: names(seen.already),
+        rows: names(seen.rows),
     })
 }
 
@@ -333,7 +373,7 @@ fn quarter(number: u32) -> Result<Vec<String>, ParamError> {
     let socs = [0.9, 0.7, 0.5, 0.35];
     let celsius = [10.0, 25.0, 35.0];
     let place = (socs[number as usize % 4], celsius[number as usize % 3]);
-    let mut drive = Drive::new(place, false, 7 + number, None)?;
+    let mut drive = Drive::new(place, Demand::Pulses, 7 + number, Vec::new())?;
     let mut trips = Vec::new();
     for _ in 0..900_000 {
         drive.step();

@@ -47,9 +47,9 @@ fn what_no_contactor_can_do_is_called_so() {
 fn without_a_bms_a_cell_is_harmed() {
     // The same pack, contactors held closed: the campaign would see a BMS that does nothing.
     let case = of(Fault::Overcharge, 3, 0.97, 25.0);
-    let planted = Planted { fault: case.fault, much: case.much, from_ms: case.from_ms };
+    let planted = vec![Planted::new(case.fault, case.much, case.from_ms)];
     let place = (case.soc, case.temperature_c);
-    let mut drive = Drive::new(place, true, case.seed, Some(planted)).unwrap();
+    let mut drive = Drive::new(place, Demand::of(true), case.seed, planted).unwrap();
     while drive.rig.ms < case.from_ms {
         drive.step();
     }

@@ -5,6 +5,7 @@ use voltstep_bms::comm::can::Message;
 use voltstep_bms::limit::Mode;
 use voltstep_bms::manage::Bus;
 
+use super::demand::Demand;
 use super::{BMS, Drive};
 
 /// A battery that is not there: cells, contactors, sensors and a whole BMS.
@@ -19,7 +20,7 @@ impl VirtualPack {
     /// # Errors
     /// [`ParamError`] for a state of charge that is none.
     pub fn at(soc: f32) -> Result<Self, ParamError> {
-        Ok(Self { drive: Drive::new((soc, 25.0), false, 1, None)?, bus: Bus::NEW })
+        Ok(Self { drive: Drive::new((soc, 25.0), Demand::Pulses, 1, Vec::new())?, bus: Bus::NEW })
     }
 
     /// A millisecond: takes what was heard, sends what is due. In the mode for driving it is driven, in
@@ -31,7 +32,7 @@ impl VirtualPack {
         let Drive { rig, state, .. } = &mut self.drive;
         let mode = BMS.report(state).mode;
         let limits = *state.limits();
-        rig.drive(&limits, mode == Mode::Charge);
+        rig.drive(&limits, &Demand::of(mode == Mode::Charge));
         rig.advance();
         BMS.request(state, self.bus.asked(0.001));
         BMS.tick(state, rig);

@@ -192,6 +192,14 @@ pub const PRECHARGE_CHARGE: Bound = Bound::new(
 pub const CONTACTOR_CLOSES: Bound =
     Bound::new("closes after [s]", None, Absolute(1e-9), CLOSED, "whole steps");
 pub const CONTACTOR_OPENS: Bound = Bound { quantity: "opens after [s]", ..CONTACTOR_CLOSES };
+pub const INSULATION_MEASURED: Bound = Bound::new(
+    "measured insulation, largest relative difference",
+    None,
+    AtMost(0.003),
+    CLOSED,
+    "what is left after settling for eight time constants, e^-8, in the difference of two voltages, \
+     which is a third of either where the leak is weakest",
+);
 pub const RC_EULER: Bound = Bound::new(
     "backward Euler, largest difference / 355 V",
     None,

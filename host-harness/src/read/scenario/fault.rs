@@ -1,9 +1,9 @@
 //! What can go wrong with a pack, and how much.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A fault of a sensor, a contactor, the cells, the vehicle around them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fault {
     /// The wire to a cell is open: its reading floats near zero.
@@ -105,6 +105,17 @@ pub enum When {
     Closed,
 }
 
+/// What a fault is planted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// One cell or its wire.
+    Cell,
+    /// One temperature sensor.
+    Sensor,
+    /// The whole.
+    Pack,
+}
+
 use Fault::{
     CellHeated, CellReadsHigh, CellReadsLow, CellSentinel, CellShort, CellStuck, CellWireOpen,
     CellsLost, CellsSwapped, Crash, CurrentGain, CurrentLost, CurrentOffset, CurrentReversed,
@@ -189,6 +200,35 @@ impl Fault {
         }
     }
 
+    /// How severe an amount is, 0..3: the mildest of [`severities`](Self::severities) that it does not
+    /// exceed.
+    #[must_use]
+    pub fn severity_of(self, much: f32) -> usize {
+        let severities = self.severities();
+        let falling = severities[3] < severities[0];
+        let within = |most: &f32| if falling { much >= *most } else { much <= *most };
+        severities.iter().position(within).unwrap_or(3)
+    }
+
+    /// Whether there can be more or less of it.
+    #[must_use]
+    pub fn has_amount(self) -> bool {
+        self.severities() != [1.0; 4]
+    }
+
+    /// What of the pack it is planted in.
+    #[must_use]
+    pub const fn part(self) -> Part {
+        match self {
+            CellWireOpen | CellStuck | CellReadsHigh | CellReadsLow | CellsSwapped
+            | CellSentinel | CellHeated | CellShort => Part::Cell,
+            TemperatureOpen | TemperatureShort | TemperatureStuck | TemperatureReadsLow => {
+                Part::Sensor
+            }
+            _ => Part::Pack,
+        }
+    }
+
     /// When it happens.
     #[must_use]
     pub const fn when(self) -> When {
@@ -236,13 +276,40 @@ impl Fault {
     }
 }
 
-/// What is planted in a case.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is planted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Planted {
     /// What.
     pub fault: Fault,
-    /// How much of it.
+    /// How much of it, in the unit that it has.
     pub much: f32,
     /// From when on \[ms\].
     pub from_ms: u32,
+    /// Which cell or sensor, from 0.
+    pub at: usize,
+}
+
+impl Planted {
+    /// In a cell or sensor in the middle of the pack.
+    #[must_use]
+    pub const fn new(fault: Fault, much: f32, from_ms: u32) -> Self {
+        let at = match fault.part() {
+            Part::Cell => 6,
+            Part::Sensor => 1,
+            Part::Pack => 0,
+        };
+        Self { fault, much, from_ms, at }
+    }
+
+    /// Which cell or sensor, where it is in one.
+    #[must_use]
+    pub fn place(&self) -> Option<usize> {
+        Some(self.at).filter(|_| self.fault.part() != Part::Pack)
+    }
+
+    /// How severe it is, 0..3.
+    #[must_use]
+    pub fn severity(&self) -> usize {
+        self.fault.severity_of(self.much)
+    }
 }
