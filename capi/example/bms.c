@@ -224,7 +224,6 @@ int main(void)
     if (status == VOLTSTEP_STATUS_OK) {
         status = voltstep_bms_start(&bms, &state, 0, 0, 0, 25.0f);
     }
-    in.second_current_a = 0.0f / 0.0f; /* there is none */
     in.balancing_c = 25.0f;
     if (status == VOLTSTEP_STATUS_OK) {
         status = run(DRIVEN_MS, 2e-4f, VOLTSTEP_BMS_CLEAR_NO);

@@ -1606,7 +1606,8 @@ typedef struct VoltstepBmsRequest {
 } VoltstepBmsRequest;
 
 // What the hardware knows in a tick. Values that are not new keep what they were and grow older; one
-// that could not be trusted is given as new and not a number. Beyond the cells and temperatures that
+// that could not be trusted is given as new and not a number. All zero is a start: nothing is new, nothing
+// is fitted. Beyond the cells and temperatures that
 // the library is built for nothing is read.
 typedef struct VoltstepBmsInputs {
   // Time since the first power-up in us, sleep included; it never goes back.
@@ -1639,7 +1640,9 @@ typedef struct VoltstepBmsInputs {
   // What the hardware finds bad by itself, a bit for each of `VoltstepBmsRow`, row k in word k/32:
   // interlock, crash, supply, coolant, a comparator of a short circuit, memory.
   uint32_t flags[3];
-  // A second current sensor in A; NaN where there is none.
+  // Other than 0: there is a second current sensor.
+  uint32_t second_current_measured;
+  // What it shows in A; NaN where it could not be trusted.
   float second_current_a;
   // Other than 0: a device watches the insulation.
   uint32_t insulation_watched;

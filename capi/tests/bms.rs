@@ -69,7 +69,8 @@ fn measured() -> VoltstepBmsInputs {
         feedback: [VoltstepBmsFeedback::Open as u32; 3],
         pin_failed: 0,
         flags: [0; 3],
-        second_current_a: f32::NAN,
+        second_current_measured: 0,
+        second_current_a: 0.0,
         insulation_watched: 0,
         insulation_ohm_per_v: f32::NAN,
         cells_found: 0,
@@ -269,6 +270,16 @@ fn what_the_hardware_says_arrives() {
     assert!(!tripped(&after(3000, |i| i.cells_found = 18), Row::CellCount));
     // Beyond the temperatures that there are nothing is read.
     assert_eq!(after(300, |i| i.temperature_c[4] = 900.0).tripped, [0; 3]);
+    let apart = |measured| {
+        after(3000, |i| {
+            (i.current_a, i.second_current_measured) = (50.0, measured);
+        })
+    };
+    assert!(tripped(&apart(1), Row::CurrentsDiffer) && !tripped(&apart(0), Row::CurrentsDiffer));
+    let silent = after(3000, |i| i.insulation_watched = 1);
+    assert!(tripped(&silent, Row::InsulationMol));
+    let wire = after(3000, |i| (i.wires_tested, i.wires_v[18]) = (1, 1.0));
+    assert!(tripped(&wire, Row::OpenWire));
     let welded = after(300, |i| i.feedback[0] = VoltstepBmsFeedback::Closed as u32);
     assert_ne!(welded.phase, VoltstepBmsPhase::Standby as u32);
     let unread = after(300, |i| i.feedback = [77; 3]);

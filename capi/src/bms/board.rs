@@ -22,7 +22,8 @@ pub enum VoltstepBmsFeedback {
 }
 
 /// What the hardware knows in a tick. Values that are not new keep what they were and grow older; one
-/// that could not be trusted is given as new and not a number. Beyond the cells and temperatures that
+/// that could not be trusted is given as new and not a number. All zero is a start: nothing is new, nothing
+/// is fitted. Beyond the cells and temperatures that
 /// the library is built for nothing is read.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,9 @@ pub struct VoltstepBmsInputs {
     /// What the hardware finds bad by itself, a bit for each of `VoltstepBmsRow`, row k in word k/32:
     /// interlock, crash, supply, coolant, a comparator of a short circuit, memory.
     pub flags: [u32; 3],
-    /// A second current sensor in A; NaN where there is none.
+    /// Other than 0: there is a second current sensor.
+    pub second_current_measured: u32,
+    /// What it shows in A; NaN where it could not be trusted.
     pub second_current_a: f32,
     /// Other than 0: a device watches the insulation.
     pub insulation_watched: u32,
@@ -170,7 +173,11 @@ impl Board<CELLS, SENSORS> for Wired<'_> {
     }
 
     fn second_current_a(&mut self) -> f32 {
-        self.inputs.second_current_a
+        if self.inputs.second_current_measured == 0 {
+            f32::NAN
+        } else {
+            self.inputs.second_current_a
+        }
     }
 
     fn insulation_ohm_per_v(&mut self) -> Option<Reading> {
