@@ -122,11 +122,11 @@ elements! {
     Resistor { ohm: f32 }
     Coil { henry: f32, ohm: Option<f32>, initial_a: Option<f32> }
     Capacitor { farad: f32, initial_v: Option<f32> }
-    Switch { on_ohm: Option<f32>, off_ohm: Option<f32>, pulse: Option<PulseTable>, toggles_s: Option<Vec<f64>> }
+    Switch { on_ohm: Option<f32>, off_ohm: Option<f32>, pulse: Option<Pulse>, toggles_s: Option<Vec<f64>> }
     Diode { on_ohm: f32, off_ohm: f32, drop_v: f32 }
     Transistor {
         on_ohm: f32, off_ohm: f32, drop_v: f32, diode_drop_v: f32,
-        pulse: Option<PulseTable>, toggles_s: Option<Vec<f64>>,
+        pulse: Option<Pulse>, toggles_s: Option<Vec<f64>>,
     }
     Junction {
         saturation_a: Option<f32>, thermal_v: Option<f32>,
@@ -138,37 +138,17 @@ elements! {
     }
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PulseTable {
-    period_s: f64,
-    on_s: f64,
-    #[serde(default)]
-    delay_s: f64,
-}
-
-impl From<PulseTable> for Pulse {
-    fn from(table: PulseTable) -> Self {
-        let PulseTable { period_s, on_s, delay_s } = table;
-        Self { period_s, on_s, delay_s }
-    }
-}
-
 /// A path and the rule that is broken there.
 type Broken = (String, String);
 
-fn gate(
-    path: &str,
-    pulse: Option<PulseTable>,
-    toggles_s: Option<&Vec<f64>>,
-) -> Result<Gate, Broken> {
+fn gate(path: &str, pulse: Option<Pulse>, toggles_s: Option<&Vec<f64>>) -> Result<Gate, Broken> {
     let broken = |key: &str, rule: &str| Err((format!("{path}.{key}"), rule.to_owned()));
     match (pulse, toggles_s) {
         (None, None) => Ok(Gate::OFF),
         (Some(_), Some(_)) => broken("toggles_s", "must not stand beside `pulse`"),
-        (Some(pulse), None) => match Pulse::from(pulse).fault() {
+        (Some(pulse), None) => match pulse.fault() {
             Some((key, rule)) => broken(&format!("pulse.{key}"), rule),
-            None => Ok(Gate::Pulse(pulse.into())),
+            None => Ok(Gate::Pulse(pulse)),
         },
         (None, Some(times)) => {
             if times.iter().all(|t| t.is_finite()) && times.windows(2).all(|t| t[0] < t[1]) {
