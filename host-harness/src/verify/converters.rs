@@ -174,7 +174,11 @@ pub(super) fn stage(
     let (mut means, mut worst_v) = ([0.0; 4], 0.0_f64);
     let (mut least_a, mut most_a) = (f64::INFINITY, f64::NEG_INFINITY);
     for step in 0..STEPS {
-        let gates = if step % PERIOD < stage.high_steps { 0b010 } else { 0b100 };
+        // In the middle of a period: from its start on, the current would begin half a ripple ahead of
+        // its mean.
+        let from = (PERIOD - stage.high_steps) / 2;
+        let high = (from..from + stage.high_steps).contains(&(step % PERIOD));
+        let gates = if high { 0b010 } else { 0b100 };
         let values = [stage.supply_v, 0.0, 0.0, 0.0, 0.0, 0.0];
         let out = circuit.step(&mut state, CircuitInput { values, gates });
         sound(&out, step)?;

@@ -1,7 +1,7 @@
 //! What a circuit is made of.
 
 use crate::error::{ParamError, check, finite, not_negative, positive};
-use crate::num::{Real, exp, ln, min, sqrt};
+use crate::num::{Real, exp, ln, max, min, sqrt};
 
 /// An element between two nodes. Its current is positive from `from` to `to` through it, its voltage
 /// is `from` minus `to`.
@@ -269,7 +269,8 @@ impl Element {
         let Self::Junction { saturation_a, thermal_v, .. } = *self else {
             return to_v;
         };
-        let critical_v = thermal_v * ln(thermal_v / (sqrt(2.0) * saturation_a));
+        // Not below zero where a large current saturates: then nothing runs away.
+        let critical_v = max(thermal_v * ln(thermal_v / (sqrt(2.0) * saturation_a)), 0.0);
         let rise = (to_v - from_v) / thermal_v;
         if to_v <= critical_v || rise.abs() <= 2.0 {
             to_v

@@ -136,6 +136,28 @@ fn a_junction_lies_on_its_curve() {
     }
 }
 
+/// Its saturation current above its thermal voltage's, where damping by a logarithm ends.
+#[test]
+fn a_junction_that_hardly_bends_stays_finite() {
+    let bent = Element::Junction {
+        saturation_a: 4.0,
+        thermal_v: 1.0,
+        largest_exponent: 0.001,
+        parallel_ohm: 1.0,
+    };
+    let clamp = [
+        Branch::new(1, 0, Element::Voltage),
+        Branch::new(1, 2, Element::Resistor { ohm: 1.0 }),
+        Branch::new(2, 0, bent),
+    ];
+    let circuit: Circuit<3, 3> = Circuit::new(clamp, Method::BackwardEuler, US).unwrap();
+    let mut state = CircuitState::default();
+    for source in [-10.0, -4.0, 10.0, -1.0] {
+        let out = circuit.step(&mut state, CircuitInput::of([source, 0.0, 0.0]));
+        assert!(out.settled && state.stored[2].get().is_finite(), "{source} {out:?} {state:?}");
+    }
+}
+
 #[test]
 fn an_inverter_inverts() {
     const P: Element = Element::Mos {

@@ -4,6 +4,7 @@
 mod layout;
 mod shape;
 mod sized;
+mod source;
 #[cfg(test)]
 mod tests;
 

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use serde::Deserialize;
+
 /// A value over time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wave {
@@ -41,13 +43,16 @@ pub enum Wave {
 }
 
 /// On for a part of each period.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(clippy::struct_field_names, reason = "all of them are seconds")]
 pub struct Pulse {
     /// Period \[s\].
     pub period_s: f64,
     /// How long it is on in each \[s\].
     pub on_s: f64,
     /// When it is on for the first time \[s\].
+    #[serde(default)]
     pub delay_s: f64,
 }
 

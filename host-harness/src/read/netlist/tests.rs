@@ -147,9 +147,10 @@ fn counts_what_a_circuit_may_have() {
     assert!(many("switch", 16, "").is_ok());
     assert!(many("switch", 17, "").unwrap_err().contains("at most 16 switches"));
     assert!(many("switch", 0, "").unwrap_err().contains("has no element"));
-    let long: String = (0..16)
-        .map(|n| format!("[resistor.n{n}]\nfrom = 'b{n}'\nto = 'ground'\nohm = 1\n"))
-        .collect();
-    let error = parse("x.toml", format!("{head}{long}").as_bytes()).unwrap_err();
+    let mut long = head.to_owned();
+    for n in 0..16 {
+        long += &format!("[resistor.n{n}]\nfrom = 'b{n}'\nto = 'ground'\nohm = 1\n");
+    }
+    let error = parse("x.toml", long.as_bytes()).unwrap_err();
     assert!(error.message.contains("makes 17 nodes"), "{error}");
 }

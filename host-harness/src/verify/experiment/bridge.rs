@@ -21,7 +21,7 @@ pub(super) const OPEN: Experiment = Experiment {
 
 pub(super) const SHORTED: Experiment = Experiment {
     name: "bridge-shorted-transistor",
-    title: "the same bridge, and from 75 ms on its first transistor conducts for good",
+    title: "the same bridge, its first transistor shorted from 75 ms on",
     source: "EPowertrain2025, PMSM with its defaults; 300 V, 10 kHz and 2 µs chosen here",
     run: || record(3, WITH_ONE_SHORTED),
 };

@@ -22,13 +22,14 @@ pub const PRECHARGE_INRUSH: Bound = Bound::new(
 pub const STAGE_VOLTAGE: Bound = Bound::new(
     "steady voltage, mean of a period [V]",
     None,
-    Relative(1e-3),
+    Relative(2e-3),
     AVERAGED,
-    "the ripple that the averaged equations leave out; first order in the step",
+    "first order: an output takes in each step the coil's current at its end",
 );
 pub const STAGE_CURRENT: Bound = Bound {
     quantity: "steady current of the coil, mean of a period [A]",
-    within: Relative(3e-3),
+    within: Relative(0.01),
+    reason: "the same: half of a step's fall is 0.1 A",
     ..STAGE_VOLTAGE
 };
 pub const STAGE_START: Bound = Bound {
@@ -46,6 +47,7 @@ pub const STAGE_RIPPLE: Bound = Bound {
 pub const H_BRIDGE_SPEED: Bound = Bound {
     quantity: "steady speed, forward and backward [rad/s]",
     within: Relative(2e-3),
+    reason: "the dead time counts by the sign of the mean current",
     ..STAGE_VOLTAGE
 };
 pub const H_BRIDGE_RUN: Bound = Bound {
