@@ -27,9 +27,10 @@ mod metadata;
 mod mutants;
 mod parts;
 mod paths;
+mod picture;
 mod qemu;
 mod report;
-mod screenshot;
+
 mod shell;
 
 use std::process::ExitCode;

@@ -84,7 +84,7 @@ pub const LONG: &[Part] = &[
     ),
     part("presets", "writes the batteries of plant-core from their files", generate::presets),
     part("trip", "writes the synthetic trip and its true parameters", generate::trip),
-    part("screenshot", "draws the report of a trip for the book", crate::screenshot::screenshot),
+    part("picture", "draws the report of a trip for the book", crate::picture::picture),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.

@@ -1,4 +1,4 @@
-//! `cargo xtask screenshot`: the picture of a report in the book.
+//! `cargo xtask picture`: the picture of a report in the book.
 
 use std::fs;
 
@@ -16,10 +16,10 @@ const PICTURE: &str = "docs/src/report.png";
 const MOST_BYTES: u64 = 150_000;
 
 /// Replays a trip and has Chromium draw its report.
-pub fn screenshot() -> Result<()> {
-    let folder = Metadata::load()?.target_directory()?.join("xtask-screenshot");
+pub fn picture() -> Result<()> {
+    let folder = Metadata::load()?.target_directory()?.join("xtask-picture");
     run(cargo().args(["run", "--quiet", "--", "replay", TRIP, "--out"]).arg(&folder))?;
-    let picture = root().join(PICTURE);
+    let file = root().join(PICTURE);
     run(program("chromium")
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"])
         .args([
@@ -28,9 +28,9 @@ pub fn screenshot() -> Result<()> {
             "--force-device-scale-factor=0.75",
         ])
         .arg(format!("--user-data-dir={}", folder.join("profile").display()))
-        .arg(format!("--screenshot={}", picture.display()))
+        .arg(format!("--screenshot={}", file.display()))
         .arg(format!("file://{}{SHOWN}", folder.join("report.html").display())))?;
-    let bytes = fs::metadata(&picture)?.len();
+    let bytes = fs::metadata(&file)?.len();
     ensure!(bytes <= MOST_BYTES, "{PICTURE} has {bytes} bytes, more than {MOST_BYTES}");
     println!("{PICTURE}: {bytes} bytes; look at it and commit it");
     Ok(())
