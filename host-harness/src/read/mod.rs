@@ -6,10 +6,14 @@
 pub mod battery;
 mod builtin;
 pub mod cell;
+mod counter;
 pub mod cycle;
 mod document;
 pub mod error;
 pub mod input;
 pub mod recognise;
+mod stamp;
+pub(crate) mod table;
 pub mod trip;
+pub(crate) mod unit;
 pub mod vehicle;
