@@ -165,7 +165,7 @@ fn row(
     let battery = MappedBattery::new(cell.battery, Dt::from_s(dt_s as f32)?)?;
     let capacity_ah = f64::from(cell.battery.capacity_ah);
     let first_c = record.cell_c.first().copied().context("an empty record")?;
-    let mut notes = Vec::new();
+    let mut notes = record.notes.clone();
     let fits = |chamber_c: f64| (chamber_c - first_c).abs() <= CHAMBER_K;
     let chamber_c = record.chamber_c.iter().copied().find(|c| c.is_finite());
     let ambient_c = match chamber_c {

@@ -21,6 +21,9 @@ const TELLING_K: f64 = 10.0;
 const TELLING_SOC: f64 = 0.1;
 /// A current that varies by less tells no resistance, as a share of the capacity an hour.
 const TELLING_CURRENT: f64 = 0.05;
+/// An open-circuit curve beyond the measured voltages by more than this share of their span was not
+/// told by them.
+const OUTSIDE: f64 = 0.5;
 /// Where the search begins: time constants \[s\], activation temperature \[kK\].
 const START_TAU_S: [f64; 2] = [10.0, 150.0];
 const START_ACTIVATION: f64 = 2.5;
@@ -143,6 +146,7 @@ pub fn of_records(
     start.smoothing = Smoothing::expected(&layout, &first);
     start.parameters = first.parameters;
     let found = fit::fit(&series, &layout, &start, MOST_STEPS, |_, _| true, || tick("fit"))?;
+    told(&measured, &found.parameters[layout.voltages()])?;
     let errors = fit::standard_errors(&layout, &start, &found);
     let second_branch = start.free[layout.log_tau(2)];
     uncertain(&layout, &found, &errors, second_branch, &mut notes);
@@ -207,6 +211,24 @@ fn spans(measured: &[Measured]) -> ((f64, f64), (f64, f64)) {
     };
     let (low, high) = over(|m| &m.soc);
     ((low.max(0.0), high.min(1.0)), over(|m| &m.celsius))
+}
+
+/// Whether an open-circuit curve lies where the voltages were measured: else nothing held its level,
+/// as in a pulse test alone.
+fn told(measured: &[Measured], ocv: &[f64]) -> anyhow::Result<()> {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
+    };
+    let (low_v, high_v) = range(&mut measured.iter().flat_map(|m| m.voltage_v.iter().copied()));
+    let (fitted_low_v, fitted_high_v) = range(&mut ocv.iter().copied());
+    let margin_v = OUTSIDE * (high_v - low_v);
+    ensure!(
+        fitted_low_v >= low_v - margin_v && fitted_high_v <= high_v + margin_v,
+        "the measurements do not tell the open-circuit voltage: {fitted_low_v:.2}..{fitted_high_v:.2} V \
+         fits best, and {low_v:.2}..{high_v:.2} V was measured; add a slow discharge of a full cell or \
+         a drive cycle without gaps"
+    );
+    Ok(())
 }
 
 /// Whether any current varies enough.
@@ -306,6 +328,30 @@ fn uncertain(
         if weak > 0 {
             let points = layout.ohm.len();
             notes.push(format!("{weak} of {points} points of the {name} are poorly identifiable"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_far_from_what_was_measured_is_refused() {
+        let record = CellRecord {
+            time_s: vec![0.0, 1.0],
+            current_a: vec![0.0, 1.0],
+            voltage_v: vec![4.2, 2.5],
+            discharged_ah: vec![0.0, 3.0],
+            cell_c: vec![25.0; 2],
+            chamber_c: vec![25.0; 2],
+            ..CellRecord::default()
+        };
+        let measured = [Measured::of_cell(&record, 3.0)];
+        assert!(told(&measured, &[2.4, 3.7, 4.25]).is_ok());
+        for ocv in [[0.0, 0.5, 0.95], [3.0, 3.7, 17.0]] {
+            let said = told(&measured, &ocv).unwrap_err().to_string();
+            assert!(said.contains("do not tell the open-circuit voltage"), "{said}");
         }
     }
 }

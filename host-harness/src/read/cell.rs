@@ -1,13 +1,17 @@
 //! A measured test of one cell: current, voltage, charge and temperature over time.
 //!
-//! [`parse`] reads comma separated columns, found by their names in any order:
-//! `time_s,current_a,voltage_v,discharged_ah,cell_temperature_c` and, where it was measured,
-//! `chamber_temperature_c`; current positive when discharging.
+//! [`parse`] reads columns, found by their names in any order: `time_s,current_a,voltage_v` and, where
+//! they were measured, `discharged_ah`, `cell_temperature_c` and `chamber_temperature_c`; current
+//! positive when discharging. Cyclers' own names are known, too.
 
-use crate::read::error::{self, InputError, shown, stem};
+use crate::read::error::{InputError, stem};
+use crate::read::table::{Column, Needed, Sheet, has};
+use crate::read::unit::Dimension;
 
-/// Samples further apart than this are a gap: what happened in between was not logged \[s\].
-pub const GAP_S: f64 = 5.0;
+/// Samples further apart than this are a gap: what happened in between was not logged \[s\] …
+const GAP_S: f64 = 5.0;
+/// … but not where the file is sampled so slowly that this many usual steps are longer.
+const GAP_SAMPLINGS: f64 = 3.0;
 
 /// A drive cycle is sampled at least this often \[s\] …
 const CYCLE_SAMPLING_S: f64 = 2.0;
@@ -42,6 +46,8 @@ pub struct CellRecord {
     pub cell_c: Vec<f64>,
     /// Temperature of the chamber \[°C\]; NaN where it was not measured.
     pub chamber_c: Vec<f64>,
+    /// What was assumed, in words.
+    pub notes: Vec<String>,
 }
 
 impl CellRecord {
@@ -55,9 +61,7 @@ impl CellRecord {
     /// The median time between two samples \[s\].
     #[must_use]
     pub fn sampling_s(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time_s.windows(2).map(|t| t[1] - t[0]).collect();
-        steps.sort_unstable_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
+        sampling_s(&self.time_s)
     }
 
     /// What kind of test it is, for a cell of `capacity_ah`; and for what is no drive cycle, why.
@@ -85,8 +89,25 @@ impl CellRecord {
     #[must_use]
     pub fn unlogged_ah(&self) -> f64 {
         let steps = self.time_s.windows(2).zip(self.discharged_ah.windows(2));
-        steps.filter(|(t, _)| t[1] - t[0] > GAP_S).map(|(_, q)| (q[1] - q[0]).abs()).sum()
+        let gap_s = gap_s(&self.time_s);
+        steps.filter(|(t, _)| t[1] - t[0] > gap_s).map(|(_, q)| (q[1] - q[0]).abs()).sum()
     }
+}
+
+/// The median time between two samples \[s\].
+pub(crate) fn sampling_s(time_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Samples further apart than this are a gap, by the record's own sampling \[s\].
+pub(crate) fn gap_s(time_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    // Of an even number the lower: a single gap beside a single step remains one.
+    let usual_s = steps.get(steps.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
+    GAP_S.max(GAP_SAMPLINGS * usual_s)
 }
 
 /// Values at each time as they were `delay_s` before, linear between samples.
@@ -104,70 +125,127 @@ pub(crate) fn delayed(time_s: &[f64], values: &[f64], delay_s: f64) -> Vec<f64> 
     time_s.iter().map(early).collect()
 }
 
-/// Names of the columns; the last may be missing.
-pub(crate) const COLUMNS: [&str; 6] = [
-    "time_s",
-    "current_a",
-    "voltage_v",
-    "discharged_ah",
-    "cell_temperature_c",
-    "chamber_temperature_c",
-];
-const CHAMBER: usize = 5;
-/// What is not absurd.
-const RANGES: [(f64, f64); 6] =
-    [(-1e9, 1e9), (-1e4, 1e4), (-10.0, 2000.0), (-1e5, 1e5), (-100.0, 200.0), (-100.0, 200.0)];
+/// Temperature of a cell of which none was measured \[°C\].
+const ASSUMED_C: f64 = 25.0;
 
-/// Reads a test from the bytes of a file called `file`.
+const fn column(
+    name: &'static str,
+    names: &'static [&'static str],
+    dimension: Dimension,
+    unit: &'static str,
+    needed: Needed,
+    range: (f64, f64),
+) -> Column {
+    Column { name, names, dimension, unit, needed, range }
+}
+
+/// What a cell's test may have.
+pub(crate) const COLUMNS: [Column; 7] = {
+    use Dimension::{Charge, Current, Temperature, Time, Voltage};
+    use Needed::{Nothing, Samples};
+    let degrees = (-100.0, 200.0);
+    let counted = (-1e5, 1e5);
+    [
+        column("time_s", &["time", "test_time", "testtime"], Time, "s", Samples, (0.0, 0.0)),
+        column("current_a", &["current", "amps"], Current, "A", Samples, (-1e4, 1e4)),
+        column(
+            "voltage_v",
+            &["voltage", "terminal_voltage", "cell_voltage", "volts"],
+            Voltage,
+            "V",
+            Samples,
+            (-10.0, 2000.0),
+        ),
+        column(
+            "discharged_ah",
+            &["discharged", "discharge_capacity", "discharging_capacity"],
+            Charge,
+            "A·h",
+            Nothing,
+            counted,
+        ),
+        column(
+            "charged_ah",
+            &["charged", "charge_capacity", "charging_capacity"],
+            Charge,
+            "A·h",
+            Nothing,
+            counted,
+        ),
+        column(
+            "cell_temperature_c",
+            &[
+                "cell_temperature",
+                "surface_temperature",
+                "x_averaged_cell_temperature",
+                "temperature",
+                "temperature_t1",
+            ],
+            Temperature,
+            "°C",
+            Nothing,
+            degrees,
+        ),
+        column(
+            "chamber_temperature_c",
+            &["chamber_temperature", "ambient_temperature"],
+            Temperature,
+            "°C",
+            Nothing,
+            degrees,
+        ),
+    ]
+};
+
+/// Reads a test from the bytes of a file called `file`. Without a counter the charge is the integral
+/// of the current from a full cell, without a temperature it is 25 °C: the notes say so.
+///
+/// Cyclers that call their time `Test Time` (Arbin, the Battery Data Format, cellpy) count
+/// charging positive: their currents are turned around.
 ///
 /// # Errors
 /// [`InputError`] with line and column: a missing column, fewer than two rows, a row with another
-/// number of fields than the header, what is no number or absurd, time that does not rise.
+/// number of fields than the header, what is no number or absurd, time that falls.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
-    let text = error::text(file, bytes)?;
-    let mut lines = Lines { text, offset: 0 };
-    let Some((_, header)) = lines.next() else {
-        return Err(InputError::of_file(file, "the file is empty; expected a header and samples"));
+    let sheet = Sheet::open(file, bytes, |header| COLUMNS[..3].iter().all(|c| has(c, header)))?;
+    let columns = &COLUMNS;
+    let time = sheet.bind(columns)?[0].map(|bound| sheet.header[bound.place].to_lowercase());
+    let charging_positive = time.is_some_and(|name| name.starts_with("test"));
+    let table = sheet.read(columns)?;
+    let mut notes = table.notes;
+    let mut found = table.columns.into_iter();
+    let mut next = || found.next().flatten();
+    let (time_s, mut current_a) = (next().unwrap_or_default(), next().unwrap_or_default());
+    let voltage_v = next().unwrap_or_default();
+    let (discharged, charged, cell, chamber) = (next(), next(), next(), next());
+    if charging_positive {
+        for a in &mut current_a {
+            *a = -*a;
+        }
+        notes.push("a cycler's file: its currents count charging positive".to_owned());
+    }
+    let full = |values: &Vec<f64>| values.iter().all(|x| x.is_finite());
+    let discharged_ah = match (discharged.filter(full), charged.filter(full)) {
+        (Some(out), Some(back)) => out.iter().zip(&back).map(|(out, back)| out - back).collect(),
+        (Some(out), None) => out,
+        (None, _) => {
+            notes.push(
+                "no charge counter: the integral of the current, from a full cell".to_owned(),
+            );
+            charge_ah(&time_s, &current_a)
+        }
     };
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let mut places = [None; COLUMNS.len()];
-    for (place, name) in places.iter_mut().zip(COLUMNS) {
-        *place = names.iter().position(|n| *n == name);
-        if place.is_none() && name != COLUMNS[CHAMBER] {
-            let message = format!("no column `{name}`; expected {}", COLUMNS.join(","));
-            return Err(InputError::at(file, text, 0, message));
-        }
+    let rows = time_s.len();
+    let mut cell_c = cell.unwrap_or_default();
+    if cell_c.iter().all(|c| c.is_nan()) {
+        notes.push(format!("no temperature of the cell: {ASSUMED_C} °C taken"));
+        cell_c = vec![ASSUMED_C; rows];
     }
-    let mut columns: [Vec<f64>; COLUMNS.len()] = Default::default();
-    let mut before_s = f64::NEG_INFINITY;
-    for (start, line) in lines {
-        let fields: Vec<&str> = line.split(',').collect();
-        if fields.len() != names.len() {
-            let (found, expected) = (fields.len(), names.len());
-            let message = format!("{found} fields; expected {expected}, as in the header");
-            return Err(InputError::at(file, text, start, message));
-        }
-        for (k, column) in columns.iter_mut().enumerate() {
-            let Some(place) = places[k] else {
-                column.push(f64::NAN);
-                continue;
-            };
-            let offset = start + fields[..place].iter().map(|f| f.len() + 1).sum::<usize>();
-            let value = number(fields[place], k)
-                .map_err(|message| InputError::at(file, text, offset, message))?;
-            if k == 0 {
-                if value <= before_s {
-                    let message = format!("time must rise, found {value} after {before_s}");
-                    return Err(InputError::at(file, text, offset, message));
-                }
-                before_s = value;
-            }
-            column.push(value);
-        }
-    }
-    let [time_s, current_a, voltage_v, discharged_ah, cell_c, chamber_c] = columns;
-    if time_s.len() < 2 {
-        return Err(InputError::of_file(file, "fewer than two samples"));
+    // A slow sensor leaves fields empty between its readings.
+    let mut last_c = cell_c.iter().copied().find(|c| c.is_finite()).unwrap_or(ASSUMED_C);
+    for c in &mut cell_c {
+        last_c = if c.is_finite() { *c } else { last_c };
+        *c = last_c;
     }
     Ok(CellRecord {
         name: stem(file),
@@ -176,47 +254,20 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
         voltage_v,
         discharged_ah,
         cell_c,
-        chamber_c,
+        chamber_c: chamber.unwrap_or_else(|| vec![f64::NAN; rows]),
+        notes,
     })
 }
 
-fn number(field: &str, column: usize) -> Result<f64, String> {
-    let field = field.trim();
-    let value: f64 = field
-        .parse()
-        .map_err(|_| format!("{}: expected a number, found `{}`", COLUMNS[column], shown(field)))?;
-    if column == CHAMBER && value.is_nan() {
-        return Ok(value);
-    }
-    let (low, high) = RANGES[column];
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("{}: {value} is not in {low}..{high}", COLUMNS[column]))
-    }
-}
-
-/// Lines that are not blank, with the offset where each starts.
-struct Lines<'a> {
-    text: &'a str,
-    offset: usize,
-}
-
-impl<'a> Iterator for Lines<'a> {
-    type Item = (usize, &'a str);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let rest = self.text.get(self.offset..).filter(|rest| !rest.is_empty())?;
-            let start = self.offset;
-            let line = rest.split('\n').next().unwrap_or(rest);
-            self.offset += line.len() + 1;
-            let line = line.trim_end_matches('\r');
-            if !line.trim().is_empty() {
-                return Some((start, line));
-            }
-        }
-    }
+/// The charge that flowed out until each sample, by the trapezoidal rule \[A·h\].
+pub(crate) fn charge_ah(time_s: &[f64], current_a: &[f64]) -> Vec<f64> {
+    let mut sum_ah = 0.0;
+    let steps = time_s.windows(2).zip(current_a.windows(2));
+    let sums = steps.map(|(t, a)| {
+        sum_ah += 0.5 * (a[0] + a[1]) * (t[1] - t[0]) / 3600.0;
+        sum_ah
+    });
+    std::iter::once(0.0).chain(sums).collect()
 }
 
 #[cfg(test)]
@@ -237,23 +288,64 @@ mod tests {
         assert_eq!(record.sampling_s(), 60.0);
         let fewer = TEXT.replace(",chamber_temperature_c", "").replace(",nan", "");
         let fewer = fewer.replace("25.1,25.0", "25.1").replace("25,25", "25");
-        assert!(parse("b.csv", fewer.as_bytes()).unwrap().chamber_c[1].is_nan());
+        let record = parse("b.csv", fewer.as_bytes()).unwrap();
+        assert!(record.chamber_c[1].is_nan() && record.notes.is_empty());
+    }
+
+    #[test]
+    fn what_is_missing_is_assumed_and_said() {
+        let text =
+            "\u{feff}\"time_s\";\"current_ma\";\"voltage_mv\"\r\n0;0,5;4100\r\n7200;500;3900\r\n";
+        let record = parse("b.csv", text.as_bytes()).unwrap();
+        assert_eq!((record.cell_c.as_slice(), record.notes.len()), (&[25.0, 25.0][..], 2));
+        assert!((record.voltage_v[1] - 3.9).abs() < 1e-12);
+        assert!((record.discharged_ah[1] - 0.5005).abs() < 1e-12, "{:?}", record.discharged_ah);
+        let empty = TEXT.replace("25.0,nan", ",nan").replace("25.1,", ",").replace("3,25,", "3,,");
+        let record = parse("b.csv", empty.as_bytes()).unwrap();
+        assert_eq!((record.cell_c.as_slice(), record.notes.len()), (&[25.0; 3][..], 1));
+    }
+
+    #[test]
+    fn the_gap_follows_the_sampling() {
+        let times = |step_s: f64| (0..9).map(|i| f64::from(i) * step_s).collect::<Vec<_>>();
+        assert_eq!([0.1, 6.0].map(|step_s| gap_s(&times(step_s))), [5.0, 18.0]);
+    }
+
+    #[test]
+    fn cyclers_names_and_signs_are_known() {
+        for text in [
+            "Data_Point,Test_Time(s),Current(A),Voltage(V),Charge_Capacity(Ah),Discharge_Capacity(Ah)\n1,0,0,4,0,0\n2,3600,-1,3.9,0,0.5\n",
+            "Test Time / s,Voltage / V,Current / A,Discharging Capacity / Ah,Charging Capacity / Ah\n0,4,0,0,0\n3600,3.9,-1,0.5,0\n",
+            "Time [s],Current [A],Voltage [V],Discharge capacity [A.h]\n0,0,4,0\n3600,1,3.9,0.5\n",
+            ",test_time,current,voltage,charge_capacity,discharge_capacity\n0,0,0,4,0,0\n1,3600,-1,3.9,0,0.5\n",
+        ] {
+            let record =
+                parse("b.csv", text.as_bytes()).map_err(|e| format!("{text} {e}")).unwrap();
+            assert_eq!(record.current_a, [0.0, 1.0], "{text}");
+            assert_eq!(record.discharged_ah, [0.0, 0.5], "{text}");
+        }
     }
 
     #[test]
     fn says_what_is_wrong_and_where() {
         for (from, to, expected) in [
-            ("2.0,4.0", "two,4.0", "x.csv:3:5: current_a: expected a number, found `two`"),
-            ("25.1,25.0", "nan,25.0", "x.csv:3:20: cell_temperature_c: NaN is not in -100..200"),
-            ("0.1,2.0", "0.0,2.0", "x.csv:3:1: time must rise, found 0 after 0"),
-            ("25.1,25.0", "25.1", "x.csv:3:1: 5 fields; expected 6, as in the header"),
-            ("voltage_v", "volts", "x.csv:1:1: no column `voltage_v`; expected time_s"),
+            ("2.0,4.0", "two,4.0", "x.csv:3:5: `two` for current_a; expected a number"),
+            ("2.0,4.0", "2e4,4.0", "x.csv:3:5: current_a of 2e4 A; expected -10000 to 10000 A"),
+            ("60.1,0,", "0.05,0,", "x.csv:5:1: time does not rise: 0.05 after 0.1 in line 3;"),
+            ("25.1,25.0", "25.1", "x.csv:3:24: 5 fields; expected 6, as in the header"),
+            ("voltage_v", "tension", "x.csv:1:1: no column `voltage_v`; found `time_s`"),
+            ("voltage_v", "voltage_kv", "x.csv:1:18: unknown unit `kv` of column `voltage_kv`"),
+            (
+                "current_a",
+                "Current [C]",
+                "x.csv:1:8: unknown unit `C` of column `Current [C]`; expected A, mA",
+            ),
         ] {
             let error = parse("x.csv", TEXT.replacen(from, to, 1).as_bytes()).unwrap_err();
             assert!(error.to_string().starts_with(expected), "{error}");
         }
         assert!(parse("x.csv", b"").unwrap_err().message.contains("empty"));
         let header = TEXT.lines().next().unwrap();
-        assert!(parse("x.csv", header.as_bytes()).unwrap_err().message.contains("fewer than two"));
+        assert!(parse("x.csv", header.as_bytes()).unwrap_err().message.contains("0 samples"));
     }
 }

@@ -67,12 +67,12 @@ pub fn drive(input: &str) -> anyhow::Result<Drive> {
 /// Reads a trip or a test of a cell, whichever the file is.
 ///
 /// # Errors
-/// [`InputError`] says what is wrong and where.
+/// [`InputError`] says what is wrong and where; a cell's counter must agree with its current.
 pub fn measurement(path: &Path) -> Result<Measurement, InputError> {
     let File { name, bytes, kind } = File::read(path, &[FileKind::Trip, FileKind::Cell])?;
     Ok(match kind {
         FileKind::Trip => Measurement::Trip(Box::new(trip::parse(&name, &bytes)?)),
-        _ => Measurement::Cell(cell::parse(&name, &bytes)?),
+        _ => Measurement::Cell(checked(&name, &bytes)?),
     })
 }
 
@@ -91,7 +91,16 @@ pub fn trip(path: &Path) -> Result<Trip, InputError> {
 /// [`InputError`] says what is wrong and where.
 pub fn cell(path: &Path) -> Result<CellRecord, InputError> {
     let file = File::read(path, &[FileKind::Cell])?;
-    cell::parse(&file.name, &file.bytes)
+    checked(&file.name, &file.bytes)
+}
+
+/// A test of a cell whose counter and current agree.
+fn checked(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
+    let record = cell::parse(file, bytes)?;
+    match record.counter_fault() {
+        Some(fault) => Err(InputError::of_file(file, fault)),
+        None => Ok(record),
+    }
 }
 
 /// A file in memory: a pipe cannot be read again.

@@ -6,6 +6,7 @@
 pub mod battery;
 mod builtin;
 pub mod cell;
+mod counter;
 pub mod cycle;
 mod document;
 pub mod error;
@@ -13,5 +14,8 @@ pub mod input;
 pub mod netlist;
 pub mod recognise;
 pub mod scenario;
+mod stamp;
+pub(crate) mod table;
 pub mod trip;
+pub(crate) mod unit;
 pub mod vehicle;

@@ -1,7 +1,8 @@
 //! What a file is: the one place that decides it, by what stands at its head.
 
 use crate::read::error::{self, InputError};
-use crate::read::{cell, cycle};
+use crate::read::table::{Sheet, has};
+use crate::read::{cell, cycle, trip};
 
 /// What a file may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,9 +37,9 @@ impl FileKind {
     /// By what it is known.
     const fn mark(self) -> &'static str {
         match self {
-            Self::Cycle => "header `time_s,speed_m_s`",
-            Self::Trip => "columns separated by `;`",
-            Self::Cell => "columns `current_a`, `voltage_v`, `discharged_ah`, …",
+            Self::Cycle => "columns `time_s` or `distance_m`, and `speed_m_s` or `speed_km_h`",
+            Self::Trip => "columns `Time [s]`, `Velocity [km/h]`, `Battery Voltage [V]`, …",
+            Self::Cell => "columns `time_s`, `current_a`, `voltage_v`, …",
             Self::Vehicle => "TOML with [body]",
             Self::Battery => "TOML with [battery.open_circuit]",
         }
@@ -65,7 +66,8 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
     let Some((line, first)) = lines.find(|(_, line)| !is_blank(line)) else {
         return Err(at_line(0, format!("empty file: expected {}", looked_for())));
     };
-    match kind_of(first, bytes) {
+    let found = if is_toml(first) { of_toml(bytes) } else { of_table(file, bytes) };
+    match found {
         Some(kind) if wanted.contains(&kind) => Ok(kind),
         Some(kind) => {
             Err(at_line(line, format!("this is a {}; expected {}", kind.name(), looked_for())))
@@ -77,6 +79,11 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
     }
 }
 
+/// A table of TOML, or a key with its value: no header of columns.
+fn is_toml(first: &[u8]) -> bool {
+    first.trim_ascii().first() == Some(&b'[') || first.contains(&b'=')
+}
+
 /// Blank, or a comment of TOML.
 fn is_blank(line: &[u8]) -> bool {
     matches!(line.trim_ascii().first(), None | Some(b'#'))
@@ -85,18 +92,28 @@ fn is_blank(line: &[u8]) -> bool {
 /// What a vehicle's file has and a battery's has not.
 const VEHICLE_ONLY: [&str; 5] = ["body", "wheel", "gearbox", "motor", "initial_soc"];
 
-fn kind_of(first: &[u8], bytes: &[u8]) -> Option<FileKind> {
-    if first.contains(&b';') {
-        return Some(FileKind::Trip);
+/// What a table is, by its columns; only half of them are one, too: what it lacks is said where
+/// it is read.
+fn of_table(file: &str, bytes: &[u8]) -> Option<FileKind> {
+    let (time, speed) = (&cycle::COLUMNS[0], &cycle::COLUMNS[1]);
+    let electric = |header: &[String]| {
+        let of_cell = cell::COLUMNS[1..4].iter().any(|column| has(column, header));
+        of_cell || trip::COLUMNS[4..6].iter().any(|column| has(column, header))
+    };
+    let timed = |header: &[String]| {
+        has(time, header) || has(&cell::COLUMNS[0], header) || has(&cycle::DISTANCE, header)
+    };
+    let is_header = |header: &[String]| timed(header) && (has(speed, header) || electric(header));
+    let header = Sheet::open(file, bytes, is_header).ok()?.header;
+    match (has(speed, &header), electric(&header)) {
+        (true, true) => Some(FileKind::Trip),
+        (false, true) => Some(FileKind::Cell),
+        (true, false) => Some(FileKind::Cycle),
+        (false, false) => timed(&header).then_some(FileKind::Cycle),
     }
-    let first = String::from_utf8_lossy(first);
-    let mut names = first.split(',').map(|name| name.trim().trim_matches('"'));
-    if names.clone().any(|name| cell::COLUMNS[1..].contains(&name)) {
-        return Some(FileKind::Cell);
-    }
-    if names.any(|name| cycle::COLUMNS.contains(&name)) {
-        return Some(FileKind::Cycle);
-    }
+}
+
+fn of_toml(bytes: &[u8]) -> Option<FileKind> {
     // A table, or a key of it that is written out. Half a file is one, too: what it lacks is said
     // where it is read.
     let holds = |table: &str| {
@@ -132,7 +149,10 @@ mod tests {
             (b"motor.inertia_kg_m2 = 1\n", FileKind::Vehicle),
             (b"battery = { capacity_ah = 3 }\n", FileKind::Battery),
             (TRIP, FileKind::Trip),
-            (b"Time [s];Velocity\n", FileKind::Trip),
+            (b"Time [s];Velocity;Battery Current [A]\n", FileKind::Trip),
+            (b"Time [s];Velocity [km/h]\n", FileKind::Cycle),
+            (b"\xef\xbb\xbftime_s;speed_m_s\r\n0;0,0\r\n", FileKind::Cycle),
+            (b"made by\nsome cycler\n\nTest_Time(s)\tCurrent(A)\tVoltage(V)\n", FileKind::Cell),
             (CELL.as_bytes(), FileKind::Cell),
             (b"time_s,current_a\n", FileKind::Cell),
             (VEHICLE.as_bytes(), FileKind::Vehicle),
@@ -154,7 +174,8 @@ mod tests {
     fn says_what_it_looked_for() {
         let wanted = [FileKind::Cycle, FileKind::Trip];
         let refused = |bytes: &[u8]| recognise("x", bytes, &wanted).unwrap_err().to_string();
-        let expected = "expected a driving cycle (header `time_s,speed_m_s`) or a trip (columns separated by `;`)";
+        let expected = "expected a driving cycle (columns `time_s` or `distance_m`, and `speed_m_s` or `speed_km_h`) \
+                        or a trip (columns `Time [s]`, `Velocity [km/h]`, `Battery Voltage [V]`, …)";
         assert_eq!(refused(b""), format!("x:1:1: empty file: {expected}"));
         assert_eq!(refused(b"\n# a comment\n\n"), format!("x:1:1: empty file: {expected}"));
         let unknown = format!("not recognised; {expected}");

@@ -129,7 +129,9 @@ fn of_cycle(
     let run = run::vehicle(vehicle, &route, vehicle.initial_soc, dt_s, ledger, progress)?;
     check_stepped(&run, &cycle.name, route.duration_s())?;
     let (name, duration_s) = (&vehicle.name, route.duration_s());
-    let summary = Summary::new(name, &cycle.name, Replayed::Cycle, &run, duration_s);
+    let mut summary = Summary::new(name, &cycle.name, Replayed::Cycle, &run, duration_s);
+    summary.notes.extend(route.cut());
+    summary.notes.extend(cycle.notes.iter().cloned());
     Ok(Replay { summary, run, trip: None })
 }
 
@@ -184,6 +186,18 @@ pub fn of_trip(
         summary.figures.consumption_wh_per_km = measured
             .consumption_wh_per_km
             .map(|_| summary.figures.battery_energy_kwh * 1000.0 / measured.distance_km);
+    }
+    if mode == Mode::Vehicle {
+        summary.notes.extend(route.cut());
+    }
+    if trip.battery_c.iter().all(|c| c.is_nan()) {
+        summary.notes.push("no battery temperature: 25 °C taken".to_owned());
+    }
+    if let Some(i) = trip.soc.iter().position(|s| s.is_finite()).filter(|i| *i > 0) {
+        summary.notes.push(format!(
+            "no state of charge at the start: that of {:.1} s taken",
+            trip.time_s[i] - trip.time_s[0]
+        ));
     }
     summary.notes.extend(trip.notes.iter().cloned());
     let screened = trip.screened();

@@ -59,25 +59,60 @@ impl Row {
 }
 
 impl Route {
-    /// A flat road. Every point of the cycle is a row, with others between.
+    /// The cycle's speed on its road, flat where the file says none. Every point of the cycle is a
+    /// row, with others between.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
     pub fn of_cycle(cycle: &Cycle) -> Self {
         let start_s = cycle.points.first().map_or(0.0, |p| f64::from(p.0));
-        let flat = |time_s, speed_m_s| Row { time_s: time_s - start_s, speed_m_s, ..Row::FLAT };
+        let row = |time_s, speed_m_s, grade| Row {
+            time_s: time_s - start_s,
+            speed_m_s,
+            grade,
+            ..Row::FLAT
+        };
+        let grades = if cycle.elevation_m.is_empty() {
+            // Rise over the way along the road is its sine.
+            let held = |g: &f64| Grade::from_sin(g.clamp(-LARGEST_SIN, LARGEST_SIN) as f32);
+            cycle.grade.iter().map(held).collect()
+        } else {
+            let (time_s, speed_m_s): (Vec<f64>, Vec<f64>) =
+                cycle.points.iter().map(|p| (f64::from(p.0), f64::from(p.1))).unzip();
+            grades(&time_s, &speed_m_s, &cycle.elevation_m)
+        };
+        let grade = |i: usize| grades.get(i).copied().unwrap_or(Grade::FLAT);
         let mut rows = Vec::new();
-        for pair in cycle.points.windows(2) {
+        for (k, pair) in cycle.points.windows(2).enumerate() {
             let ((t0, v0), (t1, v1)) = (pair[0], pair[1]);
             let ((t0, v0), (t1, v1)) =
                 ((f64::from(t0), f64::from(v0)), (f64::from(t1), f64::from(v1)));
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+            #[expect(clippy::cast_sign_loss, reason = "a count")]
             let parts = ((t1 - t0) / CYCLE_ROW_S - 1e-6).ceil().max(1.0) as u32;
             rows.extend((0..parts).map(|i| {
                 let along = f64::from(i) / f64::from(parts);
-                flat(t0 + along * (t1 - t0), v0 + along * (v1 - v0))
+                row(t0 + along * (t1 - t0), v0 + along * (v1 - v0), grade(k))
             }));
         }
-        rows.extend(cycle.points.last().map(|&(t, v)| flat(f64::from(t), f64::from(v))));
+        let last = cycle.points.len().saturating_sub(1);
+        let end = cycle.points.last().map(|&(t, v)| row(f64::from(t), f64::from(v), grade(last)));
+        rows.extend(end);
         Self { rows }
+    }
+
+    /// That the road was made less steep than the file has it, in words.
+    #[must_use]
+    pub fn cut(&self) -> Option<String> {
+        let steepest = |row: &&Row| f64::from(row.grade.sin.abs()) >= LARGEST_SIN - 1e-6;
+        let s: f64 = (self.rows.windows(2))
+            .filter(|pair| steepest(&&pair[0]))
+            .map(|pair| pair[1].time_s - pair[0].time_s)
+            .sum();
+        let percent = 100.0 * LARGEST_SIN;
+        (s > 0.0).then(|| {
+            format!(
+                "the road is steeper than {percent:.0} % during {s:.1} s: {percent:.0} % taken there"
+            )
+        })
     }
 
     /// The trip's speed, slope and auxiliary power, [screened](Trip::screened); a row per sample.
@@ -86,7 +121,7 @@ impl Route {
     pub fn of_trip(trip: &Trip) -> Self {
         let start_s = trip.time_s.first().copied().unwrap_or(0.0);
         let auxiliary_w = trip.screened().auxiliary_w;
-        let grades = grades(trip);
+        let grades = grades(&trip.time_s, &trip.speed_m_s, &trip.elevation_m);
         let rows = (0..trip.time_s.len())
             .map(|i| Row {
                 time_s: trip.time_s[i] - start_s,
@@ -151,9 +186,9 @@ pub(crate) fn distances(time_s: &[f64], speed_m_s: &[f64]) -> Vec<f64> {
 
 /// The slope at each sample: the rise over the road from 50 m before to 50 m after.
 #[expect(clippy::cast_possible_truncation, reason = "the plant computes in f32")]
-fn grades(trip: &Trip) -> Vec<Grade> {
-    let n = trip.time_s.len();
-    let distance_m = distances(&trip.time_s, &trip.speed_m_s);
+fn grades(time_s: &[f64], speed_m_s: &[f64], elevation_m: &[f64]) -> Vec<Grade> {
+    let n = time_s.len();
+    let distance_m = distances(time_s, speed_m_s);
     let (mut behind, mut ahead) = (0, 0);
     (0..n)
         .map(|i| {
@@ -164,7 +199,7 @@ fn grades(trip: &Trip) -> Vec<Grade> {
                 ahead += 1;
             }
             let along_m = distance_m[ahead] - distance_m[behind];
-            let rise_m = trip.elevation_m[ahead] - trip.elevation_m[behind];
+            let rise_m = elevation_m[ahead] - elevation_m[behind];
             // Too short a distance says nothing, at the ends of a trip or where it hardly moves.
             if along_m < SLOPE_REACH_M || !rise_m.is_finite() {
                 return Grade::FLAT;
@@ -204,6 +239,25 @@ mod tests {
         for row in &route.rows {
             assert!((row.grade.sin - 0.04).abs() < 1e-3, "{row:?}");
         }
+    }
+
+    #[test]
+    fn a_cycle_climbs_as_its_slope_or_its_height_says_and_a_cut_is_said() {
+        let points: Vec<(f32, f32)> = (0..100).map(|i| (i as f32, 10.0)).collect();
+        let flat = crate::read::cycle::by_name("udds").unwrap();
+        let flat = crate::read::cycle::Cycle { points, ..flat };
+        assert!(Route::of_cycle(&flat).rows.iter().all(|r| r.grade == Grade::FLAT));
+        let height = |slope: f64| (0..100).map(|i| slope * 10.0 * f64::from(i)).collect();
+        let by_grade = crate::read::cycle::Cycle { grade: vec![0.04; 100], ..flat.clone() };
+        let by_height = crate::read::cycle::Cycle { elevation_m: height(0.04), ..flat.clone() };
+        for cycle in [by_grade, by_height] {
+            let route = Route::of_cycle(&cycle);
+            assert!(route.rows.iter().all(|r| (r.grade.sin - 0.04).abs() < 1e-5));
+            assert_eq!(route.cut(), None);
+        }
+        let steep = crate::read::cycle::Cycle { elevation_m: height(0.3), ..flat };
+        let said = Route::of_cycle(&steep).cut().unwrap();
+        assert_eq!(said, "the road is steeper than 25 % during 99.0 s: 25 % taken there");
     }
 
     #[test]

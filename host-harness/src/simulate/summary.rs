@@ -126,6 +126,18 @@ impl Summary {
             let left = 100.0 * worst.left;
             notes.push(format!("a hot drive left {left:.0} % of its current limit at least"));
         }
+        if drives {
+            notes.extend(not_followed(run));
+        }
+        notes.extend(emptied(run));
+        let exchanged_kwh = totals.battery_energy_j.abs() / J_PER_KWH;
+        if exchanged_kwh > 0.0 && exchanged_kwh < PRINTED_KWH {
+            notes.push(format!(
+                "the energies are below what the table shows: {:.3e} kWh at the battery; \
+                 summary.json has them all",
+                totals.battery_energy_j / J_PER_KWH
+            ));
+        }
         Self {
             vehicle: vehicle.to_owned(),
             input: input.to_owned(),
@@ -162,7 +174,88 @@ impl Summary {
     }
 }
 
+/// Speeds that differ by more for longer than a moment were not followed \[m/s\], \[s\].
+const FOLLOWED_M_S: f64 = 1.0;
+const FOLLOWED_S: f64 = 2.0;
+/// Less energy has not two digits in the table \[kWh\].
+const PRINTED_KWH: f64 = 1e-3;
+/// A battery below this is empty.
+const EMPTY_SOC: f32 = 1e-3;
+
+/// Since when and by how much the speed was not that of the cycle or the trip, in words.
+fn not_followed(run: &Run) -> Option<String> {
+    let off = |i: usize| f64::from(run.trace[i].speed_m_s - run.trace[i].reference_m_s);
+    let (mut since, mut first, mut total_s, mut worst) = (None, None, 0.0, 0.0_f64);
+    for i in 1..run.trace.len() {
+        let (from_s, to_s) = (run.trace[i - 1].time_s, run.trace[i].time_s);
+        if off(i).abs() <= FOLLOWED_M_S {
+            since = None;
+            continue;
+        }
+        let start_s = *since.get_or_insert(from_s);
+        if to_s - start_s > FOLLOWED_S {
+            // The moment that it took to be sure counts, too.
+            total_s += if first.is_none() { to_s - start_s } else { to_s - from_s };
+            first.get_or_insert(start_s);
+            worst = if off(i).abs() > worst.abs() { off(i) } else { worst };
+        }
+    }
+    first.map(|s| {
+        format!(
+            "the speed is not followed from {s:.1} s on: off by more than {FOLLOWED_M_S} m/s during \
+             {total_s:.1} s, by {worst:+.1} m/s at worst"
+        )
+    })
+}
+
+/// Since when the battery is empty, in words.
+fn emptied(run: &Run) -> Option<String> {
+    let row = run.trace.iter().find(|row| row.soc <= EMPTY_SOC)?;
+    Some(format!(
+        "the battery is empty from {:.1} s on, after {:.2} km",
+        row.time_s,
+        f64::from(row.distance_m) / 1000.0
+    ))
+}
+
 /// The step's own dissipation over the throughput.
 fn numerical_share(report: &EnergyReport) -> Option<f64> {
     (report.throughput > 0.0).then(|| f64::from(report.numerical / report.throughput))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::run::{Totals, TraceRow};
+
+    fn run(rows: impl Iterator<Item = TraceRow>) -> Run {
+        let totals = Totals { battery_energy_j: 10.0, ..Totals::default() };
+        let wall = std::time::Duration::from_millis(1);
+        Run { dt_s: 1.0, steps: 100, wall, trace: rows.collect(), totals, energy: None }
+    }
+
+    #[test]
+    fn says_what_was_not_followed_and_when_the_battery_is_empty() {
+        let row = |i: u16| TraceRow {
+            time_s: f64::from(i),
+            reference_m_s: 10.0,
+            speed_m_s: if i < 50 { 10.0 } else { 7.0 },
+            distance_m: 10.0 * f32::from(i),
+            soc: if i < 60 { 0.02 } else { 0.0 },
+            ..TraceRow::default()
+        };
+        let summary = |run: &Run| Summary::new("v", "i", Replayed::Cycle, run, 100.0);
+        let notes = summary(&run((0..100).map(row))).notes.join("\n");
+        for note in [
+            "not followed from 49.0 s on: off by more than 1 m/s during 50.0 s, by -3.0 m/s",
+            "the battery is empty from 60.0 s on, after 0.60 km",
+            "2.778e-6 kWh",
+        ] {
+            assert!(notes.contains(note), "{notes}");
+        }
+        let sound = |i| TraceRow { speed_m_s: 9.5, soc: 0.5, ..row(i) };
+        let mut sound = run((0..100).map(sound));
+        sound.totals.battery_energy_j = 1e6;
+        assert!(summary(&sound).notes.is_empty());
+    }
 }

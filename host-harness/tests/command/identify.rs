@@ -18,7 +18,7 @@ fn refuses_what_tells_no_battery_and_keeps_an_earlier_file() {
     sandbox.write("bad.csv", format!("{header}0,1,four,0,25\n1,1,4,0,25\n"));
     sandbox.write("trip.csv", std::fs::read(TRIP).unwrap());
     for (files, part) in [
-        (&["bad.csv"][..], "bad.csv:2:5: voltage_v: expected a number"),
+        (&["bad.csv"][..], "bad.csv:2:5: `four` for voltage_v; expected a number"),
         (&["steady.csv"], "give one, or --capacity-ah"),
         (&["steady.csv", "--capacity-ah", "3"], "too little to tell a resistance"),
         (&["short.csv", "--capacity-ah", "3"], "too little for an open-circuit curve"),

@@ -83,9 +83,9 @@ fn refuses_bad_usage_and_bad_files() {
         (&[TRIP, "--cell", "no-such-cell"], "no-such-cell"),
         (
             &["cycle.csv"],
-            "cycle.csv:1:1: this is a driving cycle; expected a trip (columns separated by",
+            "cycle.csv:1:1: this is a driving cycle; expected a trip (columns `Time [s]`",
         ),
-        (&["text.csv"], "text.csv:2:1: 7 fields"),
+        (&["text.csv"], "7 fields; expected 6, as in the header"),
     ] {
         let run = sandbox.run(&[&["soc"], args].concat());
         assert_eq!(run.code, Some(2), "{args:?}: {}", run.stderr);

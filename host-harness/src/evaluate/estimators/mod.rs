@@ -18,7 +18,7 @@ pub use report::{EstimatorReport, EstimatorRun};
 
 use crate::evaluate::cells::DEFAULT_CELL;
 use crate::read::battery::{self, BatteryFile};
-use crate::read::cell::Kind;
+use crate::read::cell::{CellRecord, Kind};
 use crate::read::input::{self, Measurement};
 
 /// The built-in battery for trips.
@@ -131,6 +131,38 @@ pub fn run_keeping(
     })
 }
 
+/// A rested cell whose voltage is off by this share of what the battery spans is another one.
+const OTHER_CELL: f64 = 0.15;
+/// It rests below this share of the capacity an hour.
+const RESTS: f64 = 0.05;
+
+/// That a test is of another cell than the battery, by its first sample and its charge, in words.
+#[expect(clippy::cast_possible_truncation, reason = "the model computes in f32")]
+fn other_cell(battery: &BatteryFile, record: &CellRecord) -> Option<String> {
+    let capacity_ah = f64::from(battery.battery.capacity_ah);
+    let at = |soc: f64| f64::from(battery.battery.open_circuit.at(soc.clamp(0.0, 1.0) as f32));
+    let (first_v, first_a) = (*record.voltage_v.first()?, *record.current_a.first()?);
+    let soc = record.soc(0, capacity_ah);
+    let off_v = (first_v - at(soc)).abs();
+    if first_a.abs() <= RESTS * capacity_ah && off_v > OTHER_CELL * (at(1.0) - at(0.0)) {
+        return Some(format!(
+            "the rested cell has {first_v:.3} V at {:.0} %, where `{}` has {:.3} V: another cell, or \
+             not full where the counter is 0 (--cell names the battery)",
+            100.0 * soc,
+            battery.name,
+            at(soc)
+        ));
+    }
+    let most_ah = record.discharged_ah.iter().copied().fold(0.0, f64::max);
+    (most_ah > (1.0 + OTHER_CELL) * capacity_ah).then(|| {
+        format!(
+            "{most_ah:.2} A·h were discharged, and `{}` has {capacity_ah:.2} A·h: another cell (--cell \
+             names the battery)",
+            battery.name
+        )
+    })
+}
+
 /// Every case over one measurement.
 fn one(
     battery: &BatteryFile,
@@ -139,8 +171,11 @@ fn one(
     keep: impl Fn(usize, &EstimatorRun, &dyn Fn() -> EstimatorTrace) -> anyhow::Result<()> + Sync,
 ) -> anyhow::Result<Vec<EstimatorRun>> {
     let capacity_ah = f64::from(battery.battery.capacity_ah);
-    let samples =
+    let mut samples =
         samples::sampled(measured, 1.0 / options.rate_hz, battery.current_delay_s, capacity_ah)?;
+    if let Measurement::Cell(record) = measured {
+        samples.notes.extend(other_cell(battery, record));
+    }
     options
         .cases
         .par_iter()
@@ -180,5 +215,27 @@ fn traced(samples: &samples::Samples, points: &[case::Point]) -> EstimatorTrace 
         sd: points.iter().map(|p| p.sd).collect(),
         current_a: samples.current_a.clone(),
         voltage_v: samples.voltage_v.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_the_wrong_cell() {
+        let battery = battery::load(DEFAULT_CELL).unwrap();
+        let record = |voltage_v: f64, discharged_ah: f64| CellRecord {
+            time_s: vec![0.0, 1.0],
+            current_a: vec![0.0; 2],
+            voltage_v: vec![voltage_v; 2],
+            discharged_ah: vec![0.0, discharged_ah],
+            ..CellRecord::default()
+        };
+        assert_eq!(other_cell(&battery, &record(4.17, 2.8)), None);
+        let said = other_cell(&battery, &record(3.4, 1.0)).unwrap();
+        assert!(said.starts_with("the rested cell has 3.400 V at 100 %"), "{said}");
+        let said = other_cell(&battery, &record(4.17, 30.0)).unwrap();
+        assert!(said.starts_with("30.00 A·h were discharged"), "{said}");
     }
 }

@@ -3,7 +3,7 @@
 
 use anyhow::Context;
 
-use crate::read::cell::GAP_S;
+use crate::read::cell;
 use crate::read::input::Measurement;
 
 /// What was measured, evenly sampled; not a number within gaps of the logger.
@@ -41,7 +41,7 @@ pub fn sampled(
     let (name, time_s, current_a, voltage_v, temperature_c, soc, notes) = match measured {
         Measurement::Cell(r) => {
             let soc: Vec<f64> = (0..r.time_s.len()).map(|i| r.soc(i, capacity_ah)).collect();
-            (&r.name, &r.time_s, &r.current_a, &r.voltage_v, &r.cell_c, soc, Vec::new())
+            (&r.name, &r.time_s, &r.current_a, &r.voltage_v, &r.cell_c, soc, r.notes.clone())
         }
         Measurement::Trip(t) => {
             let notes = t.unfit(capacity_ah);
@@ -65,8 +65,9 @@ pub fn sampled(
         starts_rested: matches!(measured, Measurement::Cell(_)),
         notes,
     };
-    let mut reader = Reader { time_s, at: 0 };
-    let mut delayed = Reader { time_s, at: 0 };
+    let gap_s = cell::gap_s(time_s);
+    let mut reader = Reader { time_s, at: 0, gap_s };
+    let mut delayed = Reader { time_s, at: 0, gap_s };
     // Before the first sample its current flowed.
     let first_a = current_a.first().copied().unwrap_or_default();
     let mut flowed_c =
@@ -103,6 +104,8 @@ fn charge(time_s: &[f64], current_a: &[f64]) -> Vec<f64> {
 struct Reader<'a> {
     time_s: &'a [f64],
     at: usize,
+    /// Samples further apart are a gap \[s\].
+    gap_s: f64,
 }
 
 impl Reader<'_> {
@@ -132,7 +135,7 @@ impl Reader<'_> {
     fn logged(&mut self, at_s: f64) -> bool {
         self.seek(at_s);
         let t = self.time_s;
-        t[(self.at + 1).min(t.len() - 1)] - t[self.at] <= GAP_S
+        t[(self.at + 1).min(t.len() - 1)] - t[self.at] <= self.gap_s
     }
 }
 
@@ -150,6 +153,7 @@ mod tests {
             discharged_ah: vec![0.0, 0.1, 0.2, 0.3, 1.0, 1.1],
             cell_c: vec![20.0; 6],
             chamber_c: vec![20.0; 6],
+            notes: Vec::new(),
         })
     }
 

@@ -1,8 +1,8 @@
 //! A measured trip: what a car recorded while it drove.
 //!
 //! [`parse`] reads the format of "Battery and Heating Data in Real Driving Cycles" (TU Munich, DOI
-//! 10.21227/6jr9-5235): `;` between fields, Latin-1 or UTF-8, columns found by the name before the
-//! unit in brackets, in any order and beside any others.
+//! 10.21227/6jr9-5235), Latin-1 or UTF-8: columns found by the name before the unit in brackets, in
+//! any order and beside any others, known units converted.
 
 mod quirks;
 mod read;
@@ -10,6 +10,7 @@ mod screen;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use read::COLUMNS;
 pub use read::parse;
 pub use screen::Screened;
 

@@ -8,6 +8,8 @@ const GAP_S: f64 = 2.0;
 const NAMED_GAPS: usize = 5;
 /// The state of charge must change by this for a comparison with the ampere-hours.
 const TELLING_SOC: f64 = 0.05;
+/// … and by this to tell the sign of the current.
+const SIGN_SOC: f64 = 0.008;
 /// How far the capacity that a trip implies may lie from the battery's, as a ratio.
 const CAPACITY_TOLERANCE: f64 = 0.15;
 /// Three samples of a line lie this close to it: two roundings to two decimals \[V, A, km/h\].
@@ -110,7 +112,17 @@ impl Trip {
             integral(&self.time_s[first..=last], &self.battery_a[first..=last]) / 3600.0;
         let implied_ah = ampere_hours / drop;
         let fits = (implied_ah - capacity_ah).abs() <= CAPACITY_TOLERANCE * capacity_ah;
-        (drop.abs() >= TELLING_SOC && !fits).then(|| {
+        let tells = drop.abs() >= TELLING_SOC && !fits;
+        // A sign shows sooner than a scale, and is no matter of a few percent.
+        if drop.abs() >= SIGN_SOC && (-2.0..=-0.5).contains(&(implied_ah / capacity_ah)) {
+            return Some(format!(
+                "the sign of the current is reversed: the SoC drops by {:.1} points while {:.1} Ah \
+                 flow in; expected a current that is positive when charging",
+                100.0 * drop,
+                -ampere_hours
+            ));
+        }
+        tells.then(|| {
             format!(
                 "SoC drop does not fit the ampere-hours: {:.1} points for {ampere_hours:.1} Ah \
                  ({implied_ah:.0} Ah per 100 %)",

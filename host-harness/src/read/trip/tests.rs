@@ -41,6 +41,65 @@ fn reads_every_quantity_in_si_units() {
 }
 
 #[test]
+fn units_separators_and_decimal_commas_do_not_matter() {
+    let expected =
+        trip("0;36;500;10;390.5;-20.5;21;80.5;1.5;0.5;18.5\n1;36;501;;391;8;21;;;0.5;18").unwrap();
+    let header = HEADER.trim_end();
+    let comma = "0;36;500;10;390,5;-20,5;21;80,5;1,5;0,5;18,5\n1;36;501;;391;8;21;;;0,5;18";
+    let metric = header.replace("[km/h]", "[m/s]").replace("Current [A]", "Current [mA]");
+    let metric = metric.replace("Voltage [V]", "Voltage [mV]").replace("CAN [kW]", "CAN [W]");
+    let metric = metric.replace("SoC [%]", "SoC [ratio]").replace("Time [s]", "Time [min]");
+    let metric_rows = "10;10;500;10;390500;-20500;21;0.805;1500;0.5;18.5\n\
+        10.016666666666667;10;501;;391000;8000;21;;;0.5;18";
+    for text in [
+        format!("{header}\n{comma}"),
+        format!("{header};;\n{comma}").replace('\n', ";;\r\n").replace(";;;;", ";;"),
+        format!("{header}\n{comma}").replace(';', "\t"),
+        format!("{metric}\n{metric_rows}"),
+    ] {
+        let mut found =
+            parse("some/where/t.csv", text.as_bytes()).map_err(|e| format!("{text}: {e}")).unwrap();
+        for (a, b) in [
+            (&mut found.time_s, &expected.time_s),
+            (&mut found.speed_m_s, &expected.speed_m_s),
+            (&mut found.battery_v, &expected.battery_v),
+            (&mut found.battery_a, &expected.battery_a),
+            (&mut found.heating_w, &expected.heating_w),
+            (&mut found.soc, &expected.soc),
+        ] {
+            assert!(
+                a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9 || (a.is_nan() && b.is_nan())),
+                "{text}: {a:?} {b:?}"
+            );
+        }
+    }
+    let unknown = refused(header.replace("[km/h]", "[knots]").as_bytes());
+    assert_eq!(
+        unknown,
+        "t.csv:1:10: unknown unit `knots` of column `Velocity [knots]`; expected m/s, km/h, mph"
+    );
+    let unknown = refused(header.replace("Power [kW]", "Power [BTU/h]").as_bytes());
+    assert!(unknown.contains("unknown unit `BTU/h` of column `AirCon Power [BTU/h]`"), "{unknown}");
+}
+
+#[test]
+fn what_is_missing_or_a_little_off_is_said() {
+    let t = trip(
+        "0;0;5;0;390;-2;;100.0017;0;0;20\n0;0;5;0;392;-2;;100.001;0;0;20\n5;0;5;0;390;-2;;98;0;0;20",
+    )
+    .unwrap();
+    assert_eq!((t.time_s.as_slice(), t.battery_v[0]), (&[0.0, 5.0][..], 391.0));
+    let said = t.notes.join("\n");
+    for note in [
+        "column `Battery Temperature [°C]` is empty",
+        "1 samples have the time",
+        "1 samples taken as",
+    ] {
+        assert!(said.contains(note), "{said}");
+    }
+}
+
+#[test]
 fn helpers_skip_what_is_missing() {
     let t = trip("10;36;0;;390;-20;;;1;-0.5;\n11;36;0;;390;-20;;60;;0.5;\n12;0;0;;390;-20;;59;;;\n13;0;0;;390;0;;;;;\n").unwrap();
     assert_eq!((t.len(), t.duration_s(), t.missing_soc()), (4, 3.0, 2));
@@ -53,7 +112,7 @@ fn helpers_skip_what_is_missing() {
 #[test]
 fn finds_columns_by_name_in_any_order_and_encoding() {
     let rows = "\n90;0;380;-1;5;9;7\n\n\r\n91;0.5;380;-1;5;9;7\n";
-    let header = "soc [%); TIME ;Battery Voltage [V];battery current [mA]]];Velocity [km/h]]];Elevation;Time [min]";
+    let header = "soc [%); TIME ;Battery Voltage [V];battery current [A]]];Velocity [km/h]]];Elevation;Time [min]";
     for text in [
         format!("{header}{rows}").into_bytes(),
         format!("\u{feff}{header}{rows}").into_bytes(),
@@ -90,10 +149,10 @@ fn names_line_and_column_of_each_error() {
             "1;0;5;0;9;1e999;20;80;0;0;20",
             "t.csv:3:11: `1e999` for Battery Current; expected a number",
         ),
-        ("1;0;5;0;9;2;20;nan;0;0;20", "t.csv:3:16: `nan` for SoC; expected a number"),
+        ("1;0;5;0;9;2;20;inf;0;0;20", "t.csv:3:16: `inf` for SoC; expected a number"),
         (
-            "0,1;0;5;0;9;2;20;0;0;0;20",
-            "t.csv:3:1: `0,1` for Time; expected a number with a decimal point",
+            "0.5;0,1;5;0;9;2;20;0;0;0;20",
+            "t.csv:3:5: `0,1` for Velocity; expected a number with a decimal point, as before it",
         ),
         ("1;;5;0;390;-2;20;80;0;0;20", "t.csv:3:3: Velocity is empty; expected a number"),
         ("1;0; ;0;390;-2;20;80;0;0;20", "t.csv:3:5: Elevation is empty; expected a number"),
@@ -111,16 +170,18 @@ fn names_line_and_column_of_each_error() {
             "1;0;5;0;9;5001;20;8;0;0;20",
             "t.csv:3:11: Battery Current of 5001 A; expected -5000 to 5000 A",
         ),
-        ("1;0;5;0;9;2;20;100.1;0;0;20", "t.csv:3:16: SoC of 100.1 %; expected 0 to 100 %"),
-        ("1;0;5;0;9;2;20;-0.1;0;0;20", "t.csv:3:16: SoC of -0.1 %; expected 0 to 100 %"),
-        ("0;0;5;0;9;2;20;80;0;0;20", "t.csv:3:1: time does not rise: 0 s after 0 s"),
-        ("-2;0;5;0;9;2;20;80;0;0;20", "t.csv:3:1: time does not rise: -2 s after 0 s"),
+        ("1;0;5;0;9;2;20;105.1;0;0;20", "t.csv:3:16: SoC of 105.1 %; expected -5 to 105 %"),
+        ("1;0;5;0;9;2;20;-5.1;0;0;20", "t.csv:3:16: SoC of -5.1 %; expected -5 to 105 %"),
+        (
+            "-2;0;5;0;9;2;20;80;0;0;20",
+            "t.csv:3:1: time does not rise: -2 after 0 in line 2; a file holds one recording: cut it before this line",
+        ),
         ("1;0;5", "t.csv:3:6: 3 fields; expected 11, as in the header"),
         ("1;0;5;0;9;2;20;80;0;0;20;7", "t.csv:3:26: 12 fields; expected 11, as in the header"),
         ("\n\r\n1;0;\u{b0};0;9;2;20;80;0;0;20", "t.csv:5:5: `°` for Elevation; expected a number"),
         (
             "\u{7f}\"\0;0;5;0;9;2;20;80;0;0;20",
-            "t.csv:3:1: `\u{fffd}\"\u{fffd}` for Time; expected a number",
+            "t.csv:3:1: `\u{fffd}\"\u{fffd}` for Time; expected a number, a date and time (ISO 8601) or hours:minutes:seconds",
         ),
     ] {
         assert_eq!(refused_row(row), expected);
@@ -130,7 +191,10 @@ fn names_line_and_column_of_each_error() {
     let long = format!("{};0;5;0;9;2;20;80;0;0;20", "x".repeat(99));
     assert_eq!(
         refused_row(&long),
-        format!("t.csv:3:1: `{}…` for Time; expected a number", "x".repeat(60))
+        format!(
+            "t.csv:3:1: `{}…` for Time; expected a number, a date and time (ISO 8601) or hours:minutes:seconds",
+            "x".repeat(60)
+        )
     );
 }
 
@@ -147,7 +211,7 @@ fn refuses_a_file_that_is_no_trip() {
     assert_eq!(refused(one.as_bytes()), "t.csv: 1 samples; expected two at least");
     assert_eq!(
         refused(b"\ntime_s,speed_m_s\n0,0\n"),
-        "t.csv:2:1: no column `Time [s]`; found only `time_s,speed_m_s`; columns are separated by `;`"
+        "t.csv:2:1: no column `Elevation [m]`; found `time_s`, `speed_m_s`"
     );
     assert_eq!(
         refused("Time [s];Velocity [km/h];max. SoC [%)\n".as_bytes()),
@@ -223,6 +287,13 @@ fn quirks_are_found_and_only_where_they_are() {
     assert_eq!(
         t.quirks(60.0),
         ["SoC drop does not fit the ampere-hours: 15.0 points for 12.0 Ah (80 Ah per 100 %)"]
+    );
+    let mut t = clean();
+    t.battery_a.iter_mut().for_each(|a| *a = -*a);
+    assert!(
+        t.quirks(60.0)[0].starts_with("the sign of the current is reversed"),
+        "{:?}",
+        t.quirks(60.0)
     );
     // What the current does without a reference beside it says nothing.
     let mut t = clean();
