@@ -168,6 +168,13 @@ fn clock_ns(field: &str) -> Option<i128> {
     Some((minutes * 60 + whole(secs, 60)?) * SECOND_NS + decimals.parse::<i128>().ok()?)
 }
 
+/// What there is of `samples` lies on average here; none where there is nothing.
+pub(crate) fn mean(samples: impl Iterator<Item = f64>) -> Option<f64> {
+    let finite = samples.filter(|x| x.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+    (count > 0.0).then(|| sum / count)
+}
+
 /// Makes one row of those with the same time, the first column: the mean of each other. What was
 /// done, in words.
 pub(crate) fn merge_equal(columns: &mut [Vec<f64>]) -> Option<String> {
@@ -182,7 +189,7 @@ pub(crate) fn merge_equal(columns: &mut [Vec<f64>]) -> Option<String> {
     for column in rest.iter_mut().filter(|column| column.len() == rows) {
         *column = starts
             .windows(2)
-            .map(|run| crate::read::trip::mean(column[run[0]..run[1]].iter().copied()))
+            .map(|run| mean(column[run[0]..run[1]].iter().copied()))
             .map(|mean| mean.unwrap_or(f64::NAN))
             .collect();
     }

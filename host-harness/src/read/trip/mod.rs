@@ -10,6 +10,7 @@ mod screen;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use super::stamp::mean;
 pub(crate) use read::COLUMNS;
 pub use read::parse;
 pub use screen::Screened;
@@ -130,13 +131,6 @@ impl Trip {
     pub fn missing_soc(&self) -> usize {
         self.soc.iter().filter(|s| !s.is_finite()).count()
     }
-}
-
-/// What there is of `samples` lies on average here; none where there is nothing.
-pub(crate) fn mean(samples: impl Iterator<Item = f64>) -> Option<f64> {
-    let finite = samples.filter(|x| x.is_finite());
-    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
-    (count > 0.0).then(|| sum / count)
 }
 
 /// The integral of `values` over time by the trapezoidal rule.
