@@ -196,6 +196,7 @@ fn one(
                 soc_span: high - low,
                 figures,
                 notes: samples.notes.clone(),
+                reference_doubtful: samples.reference_doubtful,
             };
             keep(number, &run, &|| traced(&samples, &points))?;
             Ok(run)

@@ -20,6 +20,8 @@ pub struct EstimatorRun {
     pub figures: Figures,
     /// What the reader should know.
     pub notes: Vec<String>,
+    /// The reference cannot be trusted: the measurement contradicts itself.
+    pub reference_doubtful: bool,
 }
 
 impl EstimatorRun {
@@ -27,7 +29,7 @@ impl EstimatorRun {
     /// something where the reference is good.
     #[must_use]
     pub fn is_honest(&self) -> bool {
-        !self.notes.is_empty()
+        self.reference_doubtful
             || self.figures.inside_3_sigma_identified.is_none_or(|share| share >= HONEST)
     }
 }

@@ -25,6 +25,8 @@ pub struct Samples {
     pub starts_rested: bool,
     /// What the reader should know.
     pub notes: Vec<String>,
+    /// The state of charge cannot be trusted.
+    pub reference_doubtful: bool,
 }
 
 /// Samples a measurement every `dt_s`, the current shifted by `delay_s`; `capacity_ah` turns the charge
@@ -63,6 +65,7 @@ pub fn sampled(
         temperature_c: Vec::with_capacity(count),
         soc: Vec::with_capacity(count),
         starts_rested: matches!(measured, Measurement::Cell(_)),
+        reference_doubtful: matches!(measured, Measurement::Trip(_)) && !notes.is_empty(),
         notes,
     };
     let gap_s = cell::gap_s(time_s);
