@@ -25,7 +25,7 @@ use plant_core::control::pid::{Pid, PidState};
 use plant_core::converter::{Converter, Gates};
 use plant_core::error;
 use plant_core::link::{Contactor, Insulation, Link, LinkState};
-use plant_core::machine::dc::{CurrentLaw, DcMotor, DcMotorParams, Winding};
+use plant_core::machine::dc::{CurrentLaw, DcDrive, DcMotor, DcMotorParams, Winding};
 use plant_core::machine::flux::Flux;
 use plant_core::machine::heated::Heated;
 use plant_core::machine::pmsm::{

@@ -7,12 +7,11 @@ use plant_core::control::driver::Steering;
 use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::NoLedger;
 use voltstep_trace::{
-    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
-    BMW_I3_THERMAL, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run, TWO_AXLED, Words,
+    BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM, BMW_I3_THERMAL,
+    EPOWERTRAIN, EPOWERTRAIN_MONITOR, Frame, Monitor, Rig, Run, TWO_AXLED, Words,
 };
 
-const VEHICLES: &str =
-    "epowertrain-udds|bmw-i3-60ah|bmw-i3-60ah-constant|bmw-i3-60ah-pmsm|bmw-i3-60ah-thermal|two-axles";
+const VEHICLES: &str = "epowertrain-udds|bmw-i3-60ah|bmw-i3-60ah-constant|bmw-i3-60ah-pmsm|bmw-i3-60ah-thermal|two-axles";
 
 fn main() {
     let mut words = std::env::args().skip(1);

@@ -8,8 +8,8 @@ use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::{Book, NoLedger};
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
-    BMW_I3_PMSM_LEDGER, BMW_I3_THERMAL, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame, Monitor, Rig, Run,
-    TWO_AXLED, TWO_AXLED_LEDGER, Words,
+    BMW_I3_PMSM_LEDGER, BMW_I3_THERMAL, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame,
+    Monitor, Rig, Run, TWO_AXLED, TWO_AXLED_LEDGER, Words,
 };
 
 const GOLDEN: &str = include_str!("../../golden.toml");
