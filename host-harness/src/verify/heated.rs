@@ -22,7 +22,7 @@ use super::{Case, Checks};
 
 pub(super) const CASES: [Case; 1] = [Case {
     name: "heated drive",
-    models: &["Powertrain", "Heated", "DcMotor", "Converter", "Gearbox", "Battery"],
+    models: &["Powertrain", "ThermalPair", "DcMotor", "Converter", "Gearbox", "Battery"],
     run,
 }];
 
