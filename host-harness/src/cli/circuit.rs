@@ -26,18 +26,17 @@ pub struct Arguments {
 /// A file that is not a circuit, a value that it can't take, files that cannot be written.
 pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     let netlist = netlist::load(&arguments.file.to_string_lossy())?;
-    let outcome = simulate(&netlist)?;
-    let summary = show::json(&outcome)?;
     let stem = arguments.file.file_stem().unwrap_or_default();
     let folder = arguments.out.unwrap_or_else(|| Path::new("out").join(stem));
-    files::write_all(
-        &folder,
-        &[
-            ("summary.json", summary.clone().into_bytes()),
-            ("trace.csv", circuit::csv(&outcome)?),
-            ("report.svg", circuit::sheet(&netlist, &outcome)?.into_bytes()),
-        ],
-    )?;
+    files::check(&folder, &FILES)?;
+    let outcome = simulate(&netlist)?;
+    let summary = show::json(&outcome)?;
+    let contents = [
+        summary.clone().into_bytes(),
+        circuit::csv(&outcome)?,
+        circuit::sheet(&netlist, &outcome)?.into_bytes(),
+    ];
+    files::write_all(&folder, &FILES.into_iter().zip(contents).collect::<Vec<_>>())?;
     super::print(&if arguments.json {
         summary
     } else {
@@ -46,3 +45,6 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     })?;
     Ok(outcome.unsettled_steps == 0)
 }
+
+/// What is left in the folder.
+const FILES: [&str; 3] = ["summary.json", "trace.csv", "report.svg"];

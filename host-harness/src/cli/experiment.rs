@@ -31,7 +31,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
     };
     let experiment = by_name(&name)?;
     let folder = arguments.out.unwrap_or_else(|| Path::new("out").join(experiment.name));
-    files::check(&folder, &FILES)?;
+    files::check(&folder, &super::REPORT)?;
     let outcome = experiment.run()?;
     let summary = show::json(&outcome)?;
     let contents = [
@@ -40,15 +40,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
         summary.clone().into_bytes(),
         experiment::csv(&outcome)?,
     ];
-    files::write_all(&folder, &FILES.into_iter().zip(contents).collect::<Vec<_>>())?;
+    files::write_all(&folder, &super::REPORT.into_iter().zip(contents).collect::<Vec<_>>())?;
     super::print(&if arguments.json {
         summary
     } else {
-        let (table, folder) = (experiment::render(&outcome), folder.display());
-        format!("{table}report.html, report.svg, summary.json and trace.csv are in {folder}\n")
+        experiment::render(&outcome) + &super::left_in(&folder)
     })?;
     Ok(outcome.is_good())
 }
-
-/// What is left in the folder.
-const FILES: [&str; 4] = ["report.html", "report.svg", "summary.json", "trace.csv"];

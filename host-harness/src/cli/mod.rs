@@ -3,6 +3,7 @@
 //! settled here.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
@@ -127,6 +128,15 @@ fn step_s(dt_ms: f64) -> anyhow::Result<f64> {
         "--dt-ms must lie in {SHORTEST_STEP_MS}..{LONGEST_STEP_MS}, not {dt_ms}"
     );
     Ok(dt_ms / 1000.0)
+}
+
+/// What a replay and an experiment leave in a folder.
+const REPORT: [&str; 4] = ["report.html", "report.svg", "summary.json", "trace.csv"];
+
+/// Where that is.
+fn left_in(folder: &Path) -> String {
+    let [html, svg, json, csv] = REPORT;
+    format!("{html}, {svg}, {json} and {csv} are in {}\n", folder.display())
 }
 
 /// Prints on standard output. A reader that has seen enough (`| head`) is no error.

@@ -58,20 +58,16 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
         );
     }
     let folder = out.unwrap_or_else(|| Path::new("out").join(drive.name()));
-    files::check(&folder, &FILES)?;
+    files::check(&folder, &super::REPORT)?;
     let replay = replay::replay(&vehicle, drive, options, &Bar::new(SHOW_PROGRESS_AFTER))?;
     write(&replay, &Parameters { vehicle: &vehicle, files: &texts }, &folder)?;
     super::print(&if json {
         show::json(&replay.summary)?
     } else {
-        let (table, folder) = (summary::render(&replay.summary), folder.display());
-        format!("{table}\nreport.html, report.svg, summary.json and trace.csv are in {folder}\n")
+        format!("{}\n{}", summary::render(&replay.summary), super::left_in(&folder))
     })?;
     Ok(true)
 }
-
-/// What is left in the folder.
-const FILES: [&str; 4] = ["report.html", "report.svg", "summary.json", "trace.csv"];
 
 /// Writes report, plot sheet, summary and trace into `folder`; all of them or none.
 fn write(replay: &Replay, parameters: &Parameters<'_>, folder: &Path) -> anyhow::Result<()> {
@@ -81,6 +77,6 @@ fn write(replay: &Replay, parameters: &Parameters<'_>, folder: &Path) -> anyhow:
         show::json(&replay.summary)?.into_bytes(),
         trace::csv(&replay.run, replay.trip.as_ref())?,
     ];
-    let files: Vec<_> = FILES.into_iter().zip(contents).collect();
+    let files: Vec<_> = super::REPORT.into_iter().zip(contents).collect();
     files::write_all(folder, &files)
 }

@@ -116,9 +116,7 @@ impl Measured {
 
     /// The median time between two samples \[s\].
     pub fn sampling_s(&self) -> f64 {
-        let mut steps: Vec<f64> = self.time_s.windows(2).map(|t| t[1] - t[0]).collect();
-        steps.sort_unstable_by(f64::total_cmp);
-        steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
+        cell::sampling_s(&self.time_s)
     }
 
     /// The longest step that is no gap \[s\].

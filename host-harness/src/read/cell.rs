@@ -94,17 +94,22 @@ impl CellRecord {
     }
 }
 
-/// The median time between two samples \[s\].
-pub(crate) fn sampling_s(time_s: &[f64]) -> f64 {
+/// The times between two samples \[s\], the shortest first.
+fn steps(time_s: &[f64]) -> Vec<f64> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     steps.sort_unstable_by(f64::total_cmp);
+    steps
+}
+
+/// The median time between two samples \[s\].
+pub(crate) fn sampling_s(time_s: &[f64]) -> f64 {
+    let steps = steps(time_s);
     steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Samples further apart than this are a gap, by the record's own sampling \[s\].
 pub(crate) fn gap_s(time_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-    steps.sort_unstable_by(f64::total_cmp);
+    let steps = steps(time_s);
     // Of an even number the lower: a single gap beside a single step remains one.
     let usual_s = steps.get(steps.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
     GAP_S.max(GAP_SAMPLINGS * usual_s)
@@ -128,17 +133,6 @@ pub(crate) fn delayed(time_s: &[f64], values: &[f64], delay_s: f64) -> Vec<f64> 
 /// Temperature of a cell of which none was measured \[°C\].
 const ASSUMED_C: f64 = 25.0;
 
-const fn column(
-    name: &'static str,
-    names: &'static [&'static str],
-    dimension: Dimension,
-    unit: &'static str,
-    needed: Needed,
-    range: (f64, f64),
-) -> Column {
-    Column { name, names, dimension, unit, needed, range }
-}
-
 /// What a cell's test may have.
 pub(crate) const COLUMNS: [Column; 7] = {
     use Dimension::{Charge, Current, Temperature, Time, Voltage};
@@ -146,9 +140,9 @@ pub(crate) const COLUMNS: [Column; 7] = {
     let degrees = (-100.0, 200.0);
     let counted = (-1e5, 1e5);
     [
-        column("time_s", &["time", "test_time", "testtime"], Time, "s", Samples, (0.0, 0.0)),
-        column("current_a", &["current", "amps"], Current, "A", Samples, (-1e4, 1e4)),
-        column(
+        Column::new("time_s", &["time", "test_time", "testtime"], Time, "s", Samples, (0.0, 0.0)),
+        Column::new("current_a", &["current", "amps"], Current, "A", Samples, (-1e4, 1e4)),
+        Column::new(
             "voltage_v",
             &["voltage", "terminal_voltage", "cell_voltage", "volts"],
             Voltage,
@@ -156,7 +150,7 @@ pub(crate) const COLUMNS: [Column; 7] = {
             Samples,
             (-10.0, 2000.0),
         ),
-        column(
+        Column::new(
             "discharged_ah",
             &["discharged", "discharge_capacity", "discharging_capacity"],
             Charge,
@@ -164,7 +158,7 @@ pub(crate) const COLUMNS: [Column; 7] = {
             Nothing,
             counted,
         ),
-        column(
+        Column::new(
             "charged_ah",
             &["charged", "charge_capacity", "charging_capacity"],
             Charge,
@@ -172,7 +166,7 @@ pub(crate) const COLUMNS: [Column; 7] = {
             Nothing,
             counted,
         ),
-        column(
+        Column::new(
             "cell_temperature_c",
             &[
                 "cell_temperature",
@@ -186,7 +180,7 @@ pub(crate) const COLUMNS: [Column; 7] = {
             Nothing,
             degrees,
         ),
-        column(
+        Column::new(
             "chamber_temperature_c",
             &["chamber_temperature", "ambient_temperature"],
             Temperature,
@@ -259,15 +253,20 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
     })
 }
 
-/// The charge that flowed out until each sample, by the trapezoidal rule \[A·h\].
-pub(crate) fn charge_ah(time_s: &[f64], current_a: &[f64]) -> Vec<f64> {
-    let mut sum_ah = 0.0;
+/// The charge that flowed out until each sample, by the trapezoidal rule \[C\].
+pub(crate) fn charge_c(time_s: &[f64], current_a: &[f64]) -> Vec<f64> {
+    let mut sum_c = 0.0;
     let steps = time_s.windows(2).zip(current_a.windows(2));
     let sums = steps.map(|(t, a)| {
-        sum_ah += 0.5 * (a[0] + a[1]) * (t[1] - t[0]) / 3600.0;
-        sum_ah
+        sum_c += 0.5 * (a[0] + a[1]) * (t[1] - t[0]);
+        sum_c
     });
     std::iter::once(0.0).chain(sums).collect()
+}
+
+/// The same \[A·h\].
+pub(crate) fn charge_ah(time_s: &[f64], current_a: &[f64]) -> Vec<f64> {
+    charge_c(time_s, current_a).into_iter().map(|c| c / 3600.0).collect()
 }
 
 #[cfg(test)]

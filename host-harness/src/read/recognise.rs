@@ -66,7 +66,7 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
     let Some((line, first)) = lines.find(|(_, line)| !is_blank(line)) else {
         return Err(at_line(0, format!("empty file: expected {}", looked_for())));
     };
-    let found = if is_toml(first) { of_toml(bytes) } else { of_table(file, bytes) };
+    let found = if is_toml(first) { of_toml(bytes) } else { of_table(file, bytes)? };
     match found {
         Some(kind) if wanted.contains(&kind) => Ok(kind),
         Some(kind) => {
@@ -94,7 +94,10 @@ const VEHICLE_ONLY: [&str; 5] = ["body", "wheel", "gearbox", "motor", "initial_s
 
 /// What a table is, by its columns; only half of them are one, too: what it lacks is said where
 /// it is read.
-fn of_table(file: &str, bytes: &[u8]) -> Option<FileKind> {
+///
+/// # Errors
+/// Text in an encoding that nobody here reads.
+fn of_table(file: &str, bytes: &[u8]) -> Result<Option<FileKind>, InputError> {
     let (time, speed) = (&cycle::COLUMNS[0], &cycle::COLUMNS[1]);
     let electric = |header: &[String]| {
         let of_cell = cell::COLUMNS[1..4].iter().any(|column| has(column, header));
@@ -104,13 +107,13 @@ fn of_table(file: &str, bytes: &[u8]) -> Option<FileKind> {
         has(time, header) || has(&cell::COLUMNS[0], header) || has(&cycle::DISTANCE, header)
     };
     let is_header = |header: &[String]| timed(header) && (has(speed, header) || electric(header));
-    let header = Sheet::open(file, bytes, is_header).ok()?.header;
-    match (has(speed, &header), electric(&header)) {
+    let header = Sheet::open(file, bytes, is_header)?.header;
+    Ok(match (has(speed, &header), electric(&header)) {
         (true, true) => Some(FileKind::Trip),
         (false, true) => Some(FileKind::Cell),
         (true, false) => Some(FileKind::Cycle),
         (false, false) => timed(&header).then_some(FileKind::Cycle),
-    }
+    })
 }
 
 fn of_toml(bytes: &[u8]) -> Option<FileKind> {
@@ -185,6 +188,8 @@ mod tests {
             refused(CELL.as_bytes()),
             format!("x:1:1: this is a test of a cell; {expected}")
         );
+        let utf_16 = "x: UTF-16: save the file as UTF-8 or Latin-1";
+        assert_eq!(refused(b"\xff\xfet\0i\0m\0e\0"), utf_16);
         assert_eq!(refused(b"\x7fELF\n\xff\xfe"), "x:2:1: not a text: expected UTF-8");
     }
 }

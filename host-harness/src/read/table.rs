@@ -164,7 +164,7 @@ impl<'a> Sheet<'a> {
         if column.needed == Needed::Nothing {
             return Ok(None);
         }
-        let label = label(column);
+        let label = column.label();
         let message = format!("no column `{label}`; {}", self.instead_of(&label));
         Err(self.header_error(0, message))
     }
@@ -304,10 +304,8 @@ impl<'a> Sheet<'a> {
     /// An error at the start of a field, or at the end of a record without it.
     #[cold]
     fn error(&self, record: &ByteRecord, place: usize, message: impl Into<String>) -> InputError {
-        let start = record.position().map_or(0, csv::Position::byte);
-        let start = self.start + usize::try_from(start).unwrap_or(0);
-        let rows = self.text.get(start..).unwrap_or("");
-        let offset = start + field_offset(rows, place, self.separator);
+        let start = self.start_of(record);
+        let offset = start + field_offset(&self.text[start..], place, self.separator);
         InputError::at(self.file, &self.text, offset, message)
     }
 }
@@ -347,6 +345,26 @@ impl Style {
 }
 
 impl Column {
+    pub(crate) const fn new(
+        name: &'static str,
+        names: &'static [&'static str],
+        dimension: Dimension,
+        unit: &'static str,
+        needed: Needed,
+        range: (f64, f64),
+    ) -> Self {
+        Self { name, names, dimension, unit, needed, range }
+    }
+
+    /// How its header is written.
+    pub(crate) fn label(&self) -> String {
+        if self.name.contains('_') {
+            self.name.to_owned()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+
     /// What is not absurd, as numbers with another unit.
     fn range_in(&self, unit: &Unit) -> (f64, f64) {
         let (low, high) = self.range;
@@ -354,15 +372,6 @@ impl Column {
             Some(own) if own != *unit => (unit.of_si(own.si(low)), unit.of_si(own.si(high))),
             _ => (low, high),
         }
-    }
-}
-
-/// How a column's header is written.
-pub(crate) fn label(column: &Column) -> String {
-    if column.name.contains('_') {
-        column.name.to_owned()
-    } else {
-        format!("{} [{}]", column.name, column.unit)
     }
 }
 

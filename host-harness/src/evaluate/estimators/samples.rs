@@ -53,7 +53,7 @@ pub fn sampled(
     };
     let start_s = *time_s.first().context("an empty record")?;
     let end_s = *time_s.last().context("an empty record")?;
-    let charge_c = charge(time_s, current_a);
+    let charge_c = cell::charge_c(time_s, current_a);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
     let count = ((end_s - start_s) / dt_s).floor() as usize;
     anyhow::ensure!(count >= 2, "{name}: shorter than two samples of {dt_s} s");
@@ -89,18 +89,6 @@ pub fn sampled(
         before_c = now_c;
     }
     Ok(samples)
-}
-
-/// The integral of the current from the first sample to each \[C\], by the trapezoidal rule.
-fn charge(time_s: &[f64], current_a: &[f64]) -> Vec<f64> {
-    let mut sum_c = 0.0;
-    let steps = time_s.windows(2).zip(current_a.windows(2));
-    std::iter::once(0.0)
-        .chain(steps.map(|(t, a)| {
-            sum_c += 0.5 * (a[0] + a[1]) * (t[1] - t[0]);
-            sum_c
-        }))
-        .collect()
 }
 
 /// Reads columns at rising times, linear between rows.

@@ -2,19 +2,8 @@
 
 use super::Trip;
 use crate::read::error::{self, InputError};
-use crate::read::table::{Column, Needed, Sheet, has, label};
+use crate::read::table::{Column, Needed, Sheet, has};
 use crate::read::unit::Dimension;
-
-const fn column(
-    name: &'static str,
-    names: &'static [&'static str],
-    dimension: Dimension,
-    unit: &'static str,
-    needed: Needed,
-    range: (f64, f64),
-) -> Column {
-    Column { name, names, dimension, unit, needed, range }
-}
 
 /// What a trip may have, in the order of [`Trip`].
 pub(crate) const COLUMNS: [Column; 14] = {
@@ -22,8 +11,8 @@ pub(crate) const COLUMNS: [Column; 14] = {
     use Needed::{Nothing, Samples};
     let percent = (-5.0, 105.0);
     [
-        column("Time", &["time"], Time, "s", Samples, (0.0, 0.0)),
-        column(
+        Column::new("Time", &["time"], Time, "s", Samples, (0.0, 0.0)),
+        Column::new(
             "Velocity",
             &["velocity", "speed", "vehicle_speed"],
             Speed,
@@ -31,7 +20,7 @@ pub(crate) const COLUMNS: [Column; 14] = {
             Samples,
             (-400.0, 400.0),
         ),
-        column(
+        Column::new(
             "Elevation",
             &["elevation", "altitude", "height"],
             Length,
@@ -39,8 +28,8 @@ pub(crate) const COLUMNS: [Column; 14] = {
             Samples,
             (-1000.0, 10_000.0),
         ),
-        column("Motor Torque", &["motor_torque"], Torque, "Nm", Nothing, (-1e5, 1e5)),
-        column(
+        Column::new("Motor Torque", &["motor_torque"], Torque, "Nm", Nothing, (-1e5, 1e5)),
+        Column::new(
             "Battery Voltage",
             &["battery_voltage", "voltage"],
             Voltage,
@@ -48,7 +37,7 @@ pub(crate) const COLUMNS: [Column; 14] = {
             Samples,
             (-2000.0, 2000.0),
         ),
-        column(
+        Column::new(
             "Battery Current",
             &["battery_current", "current"],
             Current,
@@ -56,7 +45,7 @@ pub(crate) const COLUMNS: [Column; 14] = {
             Samples,
             (-5000.0, 5000.0),
         ),
-        column(
+        Column::new(
             "Battery Temperature",
             &["battery_temperature"],
             Temperature,
@@ -64,10 +53,10 @@ pub(crate) const COLUMNS: [Column; 14] = {
             Nothing,
             (-200.0, 1000.0),
         ),
-        column("SoC", &["soc", "state_of_charge"], Ratio, "%", Needed::Column, percent),
-        column("Heating Power CAN", &["heating_power_can"], Power, "kW", Nothing, (-1e3, 1e3)),
-        column("AirCon Power", &["aircon_power"], Power, "kW", Nothing, (-1e3, 1e3)),
-        column(
+        Column::new("SoC", &["soc", "state_of_charge"], Ratio, "%", Needed::Column, percent),
+        Column::new("Heating Power CAN", &["heating_power_can"], Power, "kW", Nothing, (-1e3, 1e3)),
+        Column::new("AirCon Power", &["aircon_power"], Power, "kW", Nothing, (-1e3, 1e3)),
+        Column::new(
             "Ambient Temperature",
             &["ambient_temperature"],
             Temperature,
@@ -75,9 +64,9 @@ pub(crate) const COLUMNS: [Column; 14] = {
             Nothing,
             (-200.0, 200.0),
         ),
-        column("Throttle", &["throttle"], Ratio, "%", Nothing, (-100.0, 1000.0)),
-        column("Heating Power LIN", &["heating_power_lin"], Power, "W", Nothing, (-1e6, 1e6)),
-        column(
+        Column::new("Throttle", &["throttle"], Ratio, "%", Nothing, (-100.0, 1000.0)),
+        Column::new("Heating Power LIN", &["heating_power_lin"], Power, "W", Nothing, (-1e6, 1e6)),
+        Column::new(
             "Requested Heating Power",
             &["requested_heating_power"],
             Power,
@@ -111,9 +100,9 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Trip, InputError> {
         let column = &COLUMNS[k];
         let assumed = if k == HEATING || k == AIRCON { ", taken as 0" } else { "" };
         match &found {
-            None if k < SPARE => notes.push(format!("no column `{}`{assumed}", label(column))),
+            None if k < SPARE => notes.push(format!("no column `{}`{assumed}", column.label())),
             Some(values) if k < SPARE && values.iter().all(|x| x.is_nan()) => {
-                notes.push(format!("column `{}` is empty{assumed}", label(column)));
+                notes.push(format!("column `{}` is empty{assumed}", column.label()));
             }
             _ => {}
         }

@@ -61,8 +61,8 @@ const RUNS: [Figure<EstimatorRun>; 8] = [
     ("beyond 5 % [s]", 0, |r| Some(r.figures.outside_5_percent_s)),
 ];
 
-/// What leads a row of a table.
-type Lead<'a, R> = &'a dyn Fn(&R) -> Vec<Cell>;
+/// What leads a row of a table, by its place and what it is.
+type Lead<'a, R> = &'a dyn Fn(usize, &R) -> Vec<Cell>;
 
 /// Distributions of some figures over some rows; nothing where there is no value.
 fn spreads<R>(rows: &[&R], figures: &[Figure<R>]) -> String {
@@ -90,15 +90,25 @@ fn sorted<R>(
     let mut header = leading.to_vec();
     header.extend(figures.iter().map(|(name, ..)| *name));
     header.push(last.0);
-    let rows: Vec<_> = (rows.iter())
-        .map(|row| {
-            let mut cells = lead(row);
+    let rows: Vec<_> = (rows.iter().enumerate())
+        .map(|(place, row)| {
+            let mut cells = lead(place, row);
             cells.extend(figures.iter().map(|(_, digits, pick)| Cell::of(pick(row), *digits)));
             cells.push(Cell::Text(last.1(row)));
             cells
         })
         .collect();
     table(&header, (leading.len(), figures.len()), &rows, true)
+}
+
+fn yes_or_no(yes: bool) -> String {
+    if yes { "yes" } else { "no" }.to_owned()
+}
+
+/// The measurements that are left out, as notes.
+fn note_skipped(page: &mut Page, skipped: &[String]) {
+    let skipped: Vec<_> = skipped.iter().map(|why| format!("no drive cycle: {why}")).collect();
+    page.notes(skipped.iter());
 }
 
 /// The overview of `voltstep validate --trips`.
@@ -135,7 +145,7 @@ pub fn trips(report: &TripsReport) -> Vec<u8> {
         let rows: Vec<_> = report.trips.iter().filter(|r| r.mode == mode).collect();
         let counted: Vec<_> = rows.iter().copied().filter(|r| r.counts).collect();
         page.section(spread_id, spread, &spreads(&counted, &TRIPS));
-        let link = |r: &TripRow| vec![Cell::Link(r.name.clone(), of_trip(&r.name, r.mode))];
+        let link = |_, r: &TripRow| vec![Cell::Link(r.name.clone(), of_trip(&r.name, r.mode))];
         let notes = |r: &TripRow| r.notes.join("; ");
         let html = sorted(&rows, &["trip"], &link, &TRIPS, ("notes", &notes));
         page.section(table_id, heading, &html);
@@ -150,11 +160,9 @@ pub fn cells(report: &CellsReport) -> Vec<u8> {
         "RMS of simulated less measured, on the measured current and temperature.".to_owned(),
     ];
     let mut page = Page::new(&format!("Cells · {}", report.cell), &lead);
-    let skipped: Vec<_> =
-        report.skipped.iter().map(|why| format!("no drive cycle: {why}")).collect();
     let rows: Vec<_> = report.cells.iter().collect();
     page.section("spread", "How far off", &spreads(&rows, &CELLS[2..]));
-    let link = |r: &CellRow| vec![Cell::Link(r.name.clone(), of_cell(&r.name))];
+    let link = |_, r: &CellRow| vec![Cell::Link(r.name.clone(), of_cell(&r.name))];
     let html = sorted(
         &rows,
         &["drive cycle"],
@@ -163,7 +171,7 @@ pub fn cells(report: &CellsReport) -> Vec<u8> {
         ("notes", &|r: &CellRow| r.notes.join("; ")),
     );
     page.section("table", "By drive cycle", &html);
-    page.notes(skipped.iter());
+    note_skipped(&mut page, &report.skipped);
     page.bytes()
 }
 
@@ -175,26 +183,19 @@ pub fn estimators(report: &EstimatorReport) -> Vec<u8> {
             .to_owned(),
     ];
     let mut page = Page::new(&format!("State of charge · {:?}", report.estimator), &lead);
-    // The place of a run names its file.
-    let placed: Vec<(usize, &EstimatorRun)> = report.runs.iter().enumerate().collect();
     let rows: Vec<_> = report.runs.iter().collect();
     page.section("spread", "How far off", &spreads(&rows, &RUNS));
-    let place = |r: &EstimatorRun| {
-        placed.iter().find(|(_, run)| std::ptr::eq(*run, r)).map_or(0, |(place, _)| *place)
-    };
-    let link = |r: &EstimatorRun| {
+    let link = |place, r: &EstimatorRun| {
         vec![
-            Cell::Link(r.name.clone(), of_run(place(r), &r.name)),
+            Cell::Link(r.name.clone(), of_run(place, &r.name)),
             Cell::Text(r.case.name.to_owned()),
-            Cell::Text(if r.is_honest() { "yes" } else { "no" }.to_owned()),
+            Cell::Text(yes_or_no(r.is_honest())),
         ]
     };
     let notes = |r: &EstimatorRun| r.notes.join("; ");
     let html = sorted(&rows, &["measurement", "case", "honest"], &link, &RUNS, ("notes", &notes));
     page.section("table", "By run", &html);
-    let skipped: Vec<_> =
-        report.skipped.iter().map(|why| format!("no drive cycle: {why}")).collect();
-    page.notes(skipped.iter());
+    note_skipped(&mut page, &report.skipped);
     page.bytes()
 }
 
@@ -217,10 +218,10 @@ pub fn honesty(report: &honesty::Report) -> Vec<u8> {
     let mut page = Page::new("State of charge · honesty of its σ", &lead);
     let rows: Vec<_> = report.groups.iter().collect();
     page.section("spread", "Distributions over the groups", &spreads(&rows, &GROUPS));
-    let words = |g: &honesty::Group| {
+    let words = |_, g: &honesty::Group| {
         vec![Cell::Text(g.kind.words().to_owned()), Cell::Text(g.chemistry.word().to_owned())]
     };
-    let honest = |g: &honesty::Group| if g.is_honest() { "yes" } else { "no" }.to_owned();
+    let honest = |g: &honesty::Group| yes_or_no(g.is_honest());
     let html = sorted(&rows, &["what is wrong", "battery"], &words, &GROUPS, ("honest", &honest));
     page.section("table", "By group", &html);
     page.bytes()
@@ -253,7 +254,7 @@ pub fn campaign(report: &campaign::Report) -> Vec<u8> {
     let words = |verdict: Verdict| {
         VERDICTS.iter().find(|(one, _)| *one == verdict).map_or("", |(_, words)| words)
     };
-    let lead = |j: &campaign::Judged| {
+    let lead = |_, j: &campaign::Judged| {
         let much = f64::from(j.case.much);
         vec![
             Cell::Text(format!("{:?}", j.case.fault)),

@@ -81,19 +81,13 @@ pub fn html(energy: &EnergyReport) -> String {
     if whole <= 0.0 {
         return String::new();
     }
-    let bar = |part: &Part, class: &str| {
-        let percent = 100.0 * part.kwh / whole;
-        Cell::Html(format!(
-            "<td class=\"bar\" aria-hidden=\"true\"><span class=\"{class}\" style=\"width:{percent:.2}%\"></span></td>"
-        ))
-    };
     let row = |part: &Part, side: &str, class: &str| {
         vec![
             Cell::Text(side.to_owned()),
             Cell::Text(part.name.clone()),
             Cell::of(Some(part.kwh), 4),
             Cell::of(Some(100.0 * part.kwh / whole), 2),
-            bar(part, class),
+            bar(class, part.kwh / whole),
         ]
     };
     let rows: Vec<_> = (sources.iter().map(|part| row(part, "from", "source")))
@@ -109,6 +103,14 @@ pub fn html(energy: &EnergyReport) -> String {
     )
 }
 
+/// A bar of a share of the widest.
+fn bar(class: &str, share: f64) -> Cell {
+    let percent = 100.0 * share;
+    Cell::Html(format!(
+        "<td class=\"bar\" aria-hidden=\"true\"><span class=\"{class}\" style=\"width:{percent:.2}%\"></span></td>"
+    ))
+}
+
 /// What the terms of an experiment come to, as bars.
 pub fn bars(terms: &[(String, f64)], unit: &str) -> String {
     let most = terms.iter().map(|(_, value)| value.abs()).fold(0.0, f64::max);
@@ -118,13 +120,10 @@ pub fn bars(terms: &[(String, f64)], unit: &str) -> String {
     let rows: Vec<_> = (terms.iter())
         .map(|(name, value)| {
             let class = if *value < 0.0 { "source" } else { "drive" };
-            let percent = 100.0 * value.abs() / most;
             vec![
                 Cell::Text(name.clone()),
                 Cell::of(Some(*value), 4),
-                Cell::Html(format!(
-                    "<td class=\"bar\" aria-hidden=\"true\"><span class=\"{class}\" style=\"width:{percent:.2}%\"></span></td>"
-                )),
+                bar(class, value.abs() / most),
             ]
         })
         .collect();
