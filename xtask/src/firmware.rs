@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -125,9 +126,8 @@ pub fn bits() -> Result<()> {
         let here = host_trace(vehicle, None)?;
         let expected = line(&here, "result")?;
         println!("{vehicle} here: {expected}");
-        for machine in MACHINES {
+        for (machine, there) in MACHINES.iter().zip(on_every_machine("sim", features)?) {
             let (opt_level, processor, _) = machine;
-            let there = sim(features, machine, None)?;
             let found = line(&there, "result")?;
             println!("{vehicle} at opt-level {opt_level} on {processor}: {found}");
             ensure!(
@@ -141,6 +141,22 @@ pub fn bits() -> Result<()> {
     recorded()
 }
 
+/// What an image says on each of the machines. It runs on one while it is built for the next.
+fn on_every_machine(name: &str, features: &[&str]) -> Result<Vec<String>> {
+    thread::scope(|scope| {
+        let mut runs = Vec::new();
+        for (opt_level, _, machine) in MACHINES {
+            let level = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
+            build(&[&["--bin", name], features].concat(), &level)?;
+            let built = binary(name)?;
+            let elf = built.with_file_name(format!("{name}-{opt_level}"));
+            fs::copy(&built, &elf).with_context(|| elf.display().to_string())?;
+            runs.push(scope.spawn(move || qemu::run(machine, &elf, &[""; 0])));
+        }
+        runs.into_iter().map(|run| run.join().expect("a run that panics is a bug here")).collect()
+    })
+}
+
 /// What the whole BMS was given, recorded there, is byte for byte what is recorded here, and
 /// `voltstep rewind` comes to the same bits with it.
 fn recorded() -> Result<()> {
@@ -148,11 +164,8 @@ fn recorded() -> Result<()> {
     let example = ["run", "-q", "--release", "--locked", "-p", "voltstep-bms"];
     let here = output(cargo().args(example).args(features).args(["--example", RECORDED]))?;
     let file = crate::metadata::Metadata::load()?.target_directory()?.join("xtask-recorded.vsrc");
-    for (opt_level, processor, machine) in MACHINES {
-        let level = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
-        build(&[&["--bin", RECORDED], &features[..]].concat(), &level)?;
-        let there = qemu::run(machine, &binary(RECORDED)?, &[""; 0])?;
-        let at = format!("{RECORDED} at opt-level {opt_level} on {processor}");
+    for (machine, there) in MACHINES.iter().zip(on_every_machine(RECORDED, &features)?) {
+        let at = format!("{RECORDED} at opt-level {} on {}", machine.0, machine.1);
         ensure!(there.trim() == here.trim(), "{at}: other bytes than here");
         fs::write(&file, bytes(there.trim())?).with_context(|| file.display().to_string())?;
         let rewind = ["run", "-q", "--release", "--locked", "--", "rewind"];
@@ -176,15 +189,10 @@ fn own_pack() -> Result<()> {
         ["run", "-q", "--release", "--locked", "-p", "voltstep-bms", "--example", OWN_PACK];
     let here = output(cargo().args(example))?;
     println!("{OWN_PACK} here: {}", here.trim());
-    for (opt_level, processor, machine) in MACHINES {
-        let level = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
-        build(&["--bin", OWN_PACK], &level)?;
-        let there = qemu::run(machine, &binary(OWN_PACK)?, &[""; 0])?;
-        ensure!(
-            there.trim() == here.trim(),
-            "{OWN_PACK} at opt-level {opt_level} on {processor} differs: {there}"
-        );
-        println!("{OWN_PACK} at opt-level {opt_level} on {processor}: the same");
+    for (machine, there) in MACHINES.iter().zip(on_every_machine(OWN_PACK, &[])?) {
+        let at = format!("{OWN_PACK} at opt-level {} on {}", machine.0, machine.1);
+        ensure!(there.trim() == here.trim(), "{at} differs: {there}");
+        println!("{at}: the same");
     }
     Ok(())
 }
@@ -201,14 +209,13 @@ pub fn host_trace(vehicle: &str, block: Option<&str>) -> Result<String> {
     )
 }
 
-/// What the firmware says in QEMU; of a block, if one is named, every frame.
+/// Every frame of a block, as the firmware says it in QEMU.
 fn sim(
     features: &[&str],
     (opt_level, _, machine): &(&str, &str, &[&str]),
-    block: Option<&str>,
+    block: &str,
 ) -> Result<String> {
-    let mut variables = vec![("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level)];
-    variables.extend(block.map(|block| ("VOLTSTEP_BLOCK", block)));
+    let variables = [("CARGO_PROFILE_RELEASE_OPT_LEVEL", *opt_level), ("VOLTSTEP_BLOCK", block)];
     build(&[&["--bin", "sim"], features].concat(), &variables)?;
     qemu::run(machine, &binary("sim")?, &[""; 0])
 }
@@ -220,12 +227,12 @@ fn first_difference(
     machine: &(&str, &str, &[&str]),
 ) -> Result<String> {
     let here = host_trace(vehicle, None)?;
-    let there = sim(features, machine, Some("0"))?;
+    let there = sim(features, machine, "0")?;
     let block = first_differing(&lines(&here, "block "), &lines(&there, "block "))
         .context("the results differ, the blocks do not")?;
     let block = block.to_string();
     let here = host_trace(vehicle, Some(&block))?;
-    let there = sim(features, machine, Some(&block))?;
+    let there = sim(features, machine, &block)?;
     let fields = line(&here, "fields")?;
     let (here, there) = (lines(&here, "frame "), lines(&there, "frame "));
     let at = first_differing(&here, &there).context("the block differs, its frames do not")?;

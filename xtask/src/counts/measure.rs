@@ -5,6 +5,7 @@ use std::ffi::OsStr;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use anyhow::{Context, Result, ensure};
 
@@ -61,9 +62,14 @@ impl Machine {
         }
         let log_to = [OsStr::new("-d"), OsStr::new("plugin"), OsStr::new("-D"), log.as_os_str()];
         let plugin = [OsStr::new("-plugin"), OsStr::new(&argument)];
-        let said = qemu::run(self.qemu, &elf, &[&log_to[..], &plugin].concat())?;
+        // The images of the single items are built while the one of all runs.
+        let (said, flash) = thread::scope(|scope| {
+            let run = scope.spawn(|| qemu::run(self.qemu, &elf, &[&log_to[..], &plugin].concat()));
+            let flash = self.flash_of(functions(&nm).into_iter().map(|(name, _)| name));
+            (run.join().expect("a run that panics is a bug here"), flash)
+        });
+        let (said, flash) = (said?, flash?);
         let counted = fs::read_to_string(&log).context("the plugin wrote no log")?;
-        let empty = self.flash("none")?;
         let mut costs: BTreeMap<String, Cost> = BTreeMap::new();
         let mut limited = Vec::new();
         for (name, (min, mean, max)) in parse_counts(&counted)? {
@@ -81,8 +87,7 @@ impl Machine {
                 continue;
             }
             let (state, stack) = parse_item(&said, &name).with_context(|| missing(&name))?;
-            let flash = self.flash(&format!("{PREFIX}{name}"))? - empty;
-            ensure!(flash > 0, "`{name}` is not in the image of `flash.rs`");
+            let flash = *flash.get(&name).with_context(|| missing(&name))?;
             costs.insert(name, Cost { min, mean, max, flash, state, stack });
         }
         for (name, plant, (min, mean, max)) in limited {
@@ -99,11 +104,20 @@ impl Machine {
         Ok(self.flash_with(&item, &size)? - self.flash_with("none", &size)?)
     }
 
-    /// Bytes of flash of an image with one item in it.
-    fn flash(&self, item: &str) -> Result<u64> {
-        self.flash_with(item, &[])
+    /// Bytes of flash that each item takes.
+    fn flash_of<'a>(&self, items: impl Iterator<Item = &'a str>) -> Result<BTreeMap<String, u64>> {
+        let empty = self.flash_with("none", &[])?;
+        items
+            .filter(|name| *name != NOTHING.0 && !name.starts_with(LIMITED))
+            .map(|name| {
+                let flash = self.flash_with(&format!("{PREFIX}{name}"), &[])? - empty;
+                ensure!(flash > 0, "`{name}` is not in the image of `flash.rs`");
+                Ok((String::from(name), flash))
+            })
+            .collect()
     }
 
+    /// Bytes of flash of an image with one item in it.
     fn flash_with(&self, item: &str, env: &[(&str, &str)]) -> Result<u64> {
         let args = ["-p", PACKAGE, "--bin", "flash", "--target", self.target];
         firmware::build(&args, &[&[("VOLTSTEP_ITEM", item)], env].concat())?;
