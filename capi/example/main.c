@@ -24,6 +24,10 @@ static void hash_drive(const VoltstepDriveParams *drive, const VoltstepDriveSnap
     } else {
         hash_sum(now->current_a);
     }
+    if (drive->thermal.heated) {
+        hash_sum(now->machine_above_k);
+        hash_sum(now->inverter_above_k);
+    }
 }
 
 /* Says what went wrong, in the library's words. */
@@ -123,5 +127,6 @@ int main(void)
     return mistakes() + drive("epowertrain-udds", VOLTSTEP_PRESET_EPOWERTRAIN_UDDS) +
            drive("bmw-i3-60ah-constant", VOLTSTEP_PRESET_BMW_I3_CONSTANT) +
            drive("bmw-i3-60ah-pmsm", VOLTSTEP_PRESET_BMW_I3_PMSM) +
+           drive("bmw-i3-60ah-thermal", VOLTSTEP_PRESET_BMW_I3_THERMAL) +
            drive("two-axles", VOLTSTEP_PRESET_TWO_AXLES);
 }

@@ -29,8 +29,8 @@
  *   every millisecond: voltstep_bms_tick(&bms, &battery, &measured, &told);
  *
  * Built with --no-default-features the library has plants with one DC drive, in 15 kB of flash; the
- * features `pmsm` (synchronous machines) and `drives` (two to four drives) add to them. What is not
- * built in is refused by VOLTSTEP_STATUS_NOT_BUILT_IN.
+ * features `pmsm` (synchronous machines), `drives` (two to four drives) and `thermal` (drives that heat up)
+ * add to them. What is not built in is refused by VOLTSTEP_STATUS_NOT_BUILT_IN.
  *
  * All memory is the caller's. Units stand in the names (_a A, _v V, _nm N m, _m_s m/s, ...);
  * ratios have none. Discharge current, traction torque and forward speed are positive. Every
@@ -109,14 +109,14 @@
 #define VOLTSTEP_SERIES_SLICES 18
 
 // Words (8 bytes) of a `VoltstepPlant`.
-#define VOLTSTEP_PLANT_WORDS 128
+#define VOLTSTEP_PLANT_WORDS 168
 
 // Words (4 bytes) of a `VoltstepState`.
-#define VOLTSTEP_STATE_WORDS 64
+#define VOLTSTEP_STATE_WORDS 96
 
 // Version of this interface. `VoltstepParams.abi` must hold it, so that a header and a library
 // that do not belong together are noticed.
-#define VOLTSTEP_ABI 2
+#define VOLTSTEP_ABI 3
 
 // Points of an open-circuit table: at state of charge i/64, i = 0..64.
 #define VOLTSTEP_SOC_POINTS 65
@@ -351,6 +351,32 @@ enum VoltstepStatus
   VOLTSTEP_STATUS_DRIVE_TORQUE_RATE_PER_S = 260,
   // `drive.torque_share` must be finite and between 1e-12 and 1e12.
   VOLTSTEP_STATUS_DRIVE_TORQUE_SHARE = 261,
+  // `thermal.coolant_c` must be finite and between -1e12 and 1e12.
+  VOLTSTEP_STATUS_THERMAL_COOLANT_C = 270,
+  // `thermal.coolant_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_THERMAL_COOLANT_C_RANGE = 271,
+  // `thermal.machine.heat_capacity_j_per_k` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_THERMAL_MACHINE_HEAT_CAPACITY = 272,
+  // `thermal.machine.coolant_k_per_w` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_THERMAL_MACHINE_COOLANT_K_PER_W = 273,
+  // `thermal.machine.derate_from_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_THERMAL_MACHINE_DERATE_FROM_C = 274,
+  // `thermal.machine.derate_to_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_THERMAL_MACHINE_DERATE_TO_C = 275,
+  // `thermal.inverter.heat_capacity_j_per_k` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_THERMAL_INVERTER_HEAT_CAPACITY = 276,
+  // `thermal.inverter.coolant_k_per_w` must be at least 1e-12 (infinity: no limit).
+  VOLTSTEP_STATUS_THERMAL_INVERTER_COOLANT_K_PER_W = 277,
+  // `thermal.inverter.derate_from_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_THERMAL_INVERTER_DERATE_FROM_C = 278,
+  // `thermal.inverter.derate_to_c` must lie above the field that limits it from below.
+  VOLTSTEP_STATUS_THERMAL_INVERTER_DERATE_TO_C = 279,
+  // `thermal.winding.reference_c` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_THERMAL_REFERENCE_C = 280,
+  // `thermal.winding.per_k` must lie in the range that its documentation gives.
+  VOLTSTEP_STATUS_THERMAL_PER_K = 281,
+  // `converter.current_limit_a` must be finite and between 1e-12 and 1e12: of a drive that may be derated.
+  VOLTSTEP_STATUS_CONVERTER_CURRENT_LIMIT_A_FINITE = 282,
   // `soc_sd` must lie in 0..1.
   VOLTSTEP_STATUS_SOC_SD = 300,
   // `temperature_c` must lie in the range that its documentation gives.
@@ -653,6 +679,8 @@ enum VoltstepPreset
   VOLTSTEP_PRESET_BMW_I3_PMSM = 4,
   // A car with a synchronous machine behind and a DC machine in front: `two-axles`.
   VOLTSTEP_PRESET_TWO_AXLES = 5,
+  // The car of `BmwI3Constant` with a drive that heats up: `bmw-i3-60ah-thermal`.
+  VOLTSTEP_PRESET_BMW_I3_THERMAL = 6,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -2318,6 +2346,36 @@ typedef struct VoltstepGearboxParams {
   float inertia_kg_m2;
 } VoltstepGearboxParams;
 
+// A part of a drive that heats up: the machine, or the inverter.
+typedef struct VoltstepHeatedPartParams {
+  // Heat capacity in J/K; above zero, infinity: it stays as warm as the coolant.
+  float heat_capacity_j_per_k;
+  // Thermal resistance to the coolant in K/W; above zero, infinity for none.
+  float coolant_k_per_w;
+  // Up to this temperature in degrees C the whole current limit is left; infinity: always.
+  float derate_from_c;
+  // From this temperature in degrees C on nothing is left; above the other, infinity: never.
+  float derate_to_c;
+} VoltstepHeatedPartParams;
+
+// How a drive heats up.
+typedef struct VoltstepDriveThermalParams {
+  // Other than 0: losses heat machine and inverter. 0: they do not, and the rest is not looked at.
+  uint32_t heated;
+  // Temperature of the coolant in degrees C, -100..200: that of both parts at the start.
+  float coolant_c;
+  // The machine: its winding counts as warm as the rest.
+  struct VoltstepHeatedPartParams machine;
+  // The inverter.
+  struct VoltstepHeatedPartParams inverter;
+  // Temperature in degrees C at which the resistance of the winding is given.
+  float reference_c;
+  // How much the resistance of the winding grows per kelvin, as a share of what it is at
+  // `reference_c`; of copper 1/255 at 20 degrees C. Of a synchronous machine in place of
+  // `resistance_per_k`.
+  float per_k;
+} VoltstepDriveThermalParams;
+
 // A drive: converter, machine and gearbox on an axle.
 typedef struct VoltstepDriveParams {
   // One of `VoltstepMachine`.
@@ -2330,6 +2388,8 @@ typedef struct VoltstepDriveParams {
   struct VoltstepPmsmParams pmsm;
   // The gearbox.
   struct VoltstepGearboxParams gearbox;
+  // Its temperatures.
+  struct VoltstepDriveThermalParams thermal;
   // Bandwidth of the ideal current loop behind a torque demand, in 1/s; above zero.
   float torque_rate_per_s;
   // Of a torque demand this drive takes its share, in proportion to those of the others; above
@@ -2459,7 +2519,7 @@ typedef struct VoltstepInputs {
   float reference_m_s;
   // With the torque driver: how fast that changes, in m/s^2; 0 where it is not known.
   float reference_m_s2;
-  // Without a driver, of one DC drive: duty of the converter, a ratio -1..1; NaN, the default,
+  // Without a driver, of one DC drive without temperatures: duty of the converter, a ratio -1..1; NaN, the default,
   // where a torque is asked for, or gates are to be off.
   float duty;
   // Without a driver: torque of all motors, as felt at the shaft of the first, in N m, by an ideal
@@ -2499,6 +2559,12 @@ typedef struct VoltstepDriveOutputs {
   // Synchronous machine: it turned too far in this step for what rings at the electrical frequency
   // to be followed; it is damped.
   bool coarse_step;
+  // Temperature of a heated drive's machine in degrees C; else 0.
+  float machine_c;
+  // Temperature of a heated drive's inverter in degrees C; else 0.
+  float inverter_c;
+  // How much of the converter's current limit the temperatures take away, a ratio 0..1.
+  float derated;
 } VoltstepDriveOutputs;
 
 // What one step says. Discharge current, traction torque and forward speed are positive.
@@ -2544,7 +2610,7 @@ typedef struct VoltstepSum {
   float lost;
 } VoltstepSum;
 
-// Every bit that the winding of a drive remembers; zeros of the other kind of machine.
+// Every bit that a drive remembers; zeros of the other kind of machine.
 typedef struct VoltstepDriveSnapshot {
   // DC machine: winding current in A.
   struct VoltstepSum current_a;
@@ -2552,6 +2618,10 @@ typedef struct VoltstepDriveSnapshot {
   struct VoltstepSum d_a;
   // Synchronous machine: current of the q axis in A.
   struct VoltstepSum q_a;
+  // Heated drive: how much warmer than the coolant its machine is, in K.
+  struct VoltstepSum machine_above_k;
+  // Heated drive: how much warmer than the coolant its inverter is, in K.
+  struct VoltstepSum inverter_above_k;
 } VoltstepDriveSnapshot;
 
 // Every bit that the plant remembers: to compare two runs bit for bit.

@@ -5,17 +5,17 @@ mod drives;
 use plant_core::Dt;
 use plant_core::ParamError;
 use plant_core::auxiliary::AuxiliaryParams;
-#[cfg(any(feature = "drives", feature = "pmsm"))]
+#[cfg(any(feature = "drives", feature = "pmsm", feature = "thermal"))]
 use plant_core::battery::Battery;
 use plant_core::battery::{BatteryParams, OpenCircuit, RcBranchParams, VoltageLimits};
-#[cfg(any(feature = "drives", feature = "pmsm"))]
+#[cfg(any(feature = "drives", feature = "pmsm", feature = "thermal"))]
 use plant_core::control::driver::TorqueDriver;
 use plant_core::control::driver::{Driver, DriverParams, TorqueDriverParams};
 use plant_core::control::pid::{AntiWindup, DerivativeOf, PidParams};
 use plant_core::mechanics::body::{BodyParams, RoadResistance};
 use plant_core::mechanics::wheel::WheelParams;
 use plant_core::num::SocTable;
-#[cfg(any(feature = "drives", feature = "pmsm"))]
+#[cfg(any(feature = "drives", feature = "pmsm", feature = "thermal"))]
 use plant_core::powertrain::{Axles, Drives};
 use plant_core::powertrain::{Drive, Powertrain, PowertrainParams};
 use plant_core::presets::Vehicle;
@@ -57,12 +57,24 @@ impl VoltstepParams {
             body: self.body.model()?,
         };
         #[cfg(feature = "drives")]
-        let axle = |drive: &VoltstepDriveParams| drive.model()?.axles(vehicle.wheel, dt);
+        let axle = |drive: &VoltstepDriveParams| drive.axles(vehicle.wheel, dt);
         let driver = self.driver()?;
         let [one, ..] = &self.drives;
         #[cfg(feature = "drives")]
         let [_, two, three, four] = &self.drives;
         Ok(match self.drive_count {
+            #[cfg(feature = "thermal")]
+            1 if one.thermal.heated != 0 => match one.model()? {
+                DriveModel::Dc(drive) => {
+                    let axles = one.warm(drive).on(vehicle.wheel, dt)?;
+                    Cars::HeatedDc(composed(&vehicle, axles, driver, dt)?)
+                }
+                #[cfg(feature = "pmsm")]
+                DriveModel::Pmsm(drive) => {
+                    let axles = one.warm(drive).on(vehicle.wheel, dt)?;
+                    Cars::HeatedPmsm(composed(&vehicle, axles, driver, dt)?)
+                }
+            },
             1 => match one.model()? {
                 DriveModel::Dc(drive) => Cars::Dc(dc(vehicle.with_drives(drive), driver, dt)?),
                 #[cfg(feature = "pmsm")]
@@ -128,7 +140,7 @@ fn dc(
 }
 
 /// Any drives, whose driver asks for a torque.
-#[cfg(any(feature = "drives", feature = "pmsm"))]
+#[cfg(any(feature = "drives", feature = "pmsm", feature = "thermal"))]
 fn composed<D: Drives>(
     vehicle: &PowertrainParams<BatteryParams, ()>,
     axles: Axles<D>,

@@ -7,9 +7,9 @@ use crate::params::VOLTSTEP_ABI;
 use crate::status::VoltstepStatus;
 
 /// Words (8 bytes) of a `VoltstepPlant`.
-pub const VOLTSTEP_PLANT_WORDS: usize = 128;
+pub const VOLTSTEP_PLANT_WORDS: usize = 168;
 /// Words (4 bytes) of a `VoltstepState`.
-pub const VOLTSTEP_STATE_WORDS: usize = 64;
+pub const VOLTSTEP_STATE_WORDS: usize = 96;
 
 /// A vehicle with its driver, checked and discretised for one step. Opaque: set it up by
 /// `voltstep_plant_init`; from then on it is only read, so any number of states may share it.

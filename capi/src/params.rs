@@ -3,7 +3,7 @@
 
 /// Version of this interface. `VoltstepParams.abi` must hold it, so that a header and a library
 /// that do not belong together are noticed.
-pub const VOLTSTEP_ABI: u32 = 2;
+pub const VOLTSTEP_ABI: u32 = 3;
 
 /// Points of an open-circuit table: at state of charge i/64, i = 0..64.
 pub const VOLTSTEP_SOC_POINTS: usize = 65;
@@ -28,6 +28,8 @@ pub enum VoltstepPreset {
     BmwI3Pmsm = 4,
     /// A car with a synchronous machine behind and a DC machine in front: `two-axles`.
     TwoAxles = 5,
+    /// The car of `BmwI3Constant` with a drive that heats up: `bmw-i3-60ah-thermal`.
+    BmwI3Thermal = 6,
 }
 
 /// The machine of a drive.
@@ -206,6 +208,40 @@ pub struct VoltstepGearboxParams {
     pub inertia_kg_m2: f32,
 }
 
+/// A part of a drive that heats up: the machine, or the inverter.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoltstepHeatedPartParams {
+    /// Heat capacity in J/K; above zero, infinity: it stays as warm as the coolant.
+    pub heat_capacity_j_per_k: f32,
+    /// Thermal resistance to the coolant in K/W; above zero, infinity for none.
+    pub coolant_k_per_w: f32,
+    /// Up to this temperature in degrees C the whole current limit is left; infinity: always.
+    pub derate_from_c: f32,
+    /// From this temperature in degrees C on nothing is left; above the other, infinity: never.
+    pub derate_to_c: f32,
+}
+
+/// How a drive heats up.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoltstepDriveThermalParams {
+    /// Other than 0: losses heat machine and inverter. 0: they do not, and the rest is not looked at.
+    pub heated: u32,
+    /// Temperature of the coolant in degrees C, -100..200: that of both parts at the start.
+    pub coolant_c: f32,
+    /// The machine: its winding counts as warm as the rest.
+    pub machine: VoltstepHeatedPartParams,
+    /// The inverter.
+    pub inverter: VoltstepHeatedPartParams,
+    /// Temperature in degrees C at which the resistance of the winding is given.
+    pub reference_c: f32,
+    /// How much the resistance of the winding grows per kelvin, as a share of what it is at
+    /// `reference_c`; of copper 1/255 at 20 degrees C. Of a synchronous machine in place of
+    /// `resistance_per_k`.
+    pub per_k: f32,
+}
+
 /// A drive: converter, machine and gearbox on an axle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -220,6 +256,8 @@ pub struct VoltstepDriveParams {
     pub pmsm: VoltstepPmsmParams,
     /// The gearbox.
     pub gearbox: VoltstepGearboxParams,
+    /// Its temperatures.
+    pub thermal: VoltstepDriveThermalParams,
     /// Bandwidth of the ideal current loop behind a torque demand, in 1/s; above zero.
     pub torque_rate_per_s: f32,
     /// Of a torque demand this drive takes its share, in proportion to those of the others; above

@@ -225,6 +225,32 @@ pub enum VoltstepStatus {
     DriveTorqueRatePerS = 260,
     /// `drive.torque_share` must be finite and between 1e-12 and 1e12.
     DriveTorqueShare = 261,
+    /// `thermal.coolant_c` must be finite and between -1e12 and 1e12.
+    ThermalCoolantC = 270,
+    /// `thermal.coolant_c` must lie in the range that its documentation gives.
+    ThermalCoolantCRange = 271,
+    /// `thermal.machine.heat_capacity_j_per_k` must be at least 1e-12 (infinity: no limit).
+    ThermalMachineHeatCapacity = 272,
+    /// `thermal.machine.coolant_k_per_w` must be at least 1e-12 (infinity: no limit).
+    ThermalMachineCoolantKPerW = 273,
+    /// `thermal.machine.derate_from_c` must lie in the range that its documentation gives.
+    ThermalMachineDerateFromC = 274,
+    /// `thermal.machine.derate_to_c` must lie above the field that limits it from below.
+    ThermalMachineDerateToC = 275,
+    /// `thermal.inverter.heat_capacity_j_per_k` must be at least 1e-12 (infinity: no limit).
+    ThermalInverterHeatCapacity = 276,
+    /// `thermal.inverter.coolant_k_per_w` must be at least 1e-12 (infinity: no limit).
+    ThermalInverterCoolantKPerW = 277,
+    /// `thermal.inverter.derate_from_c` must lie in the range that its documentation gives.
+    ThermalInverterDerateFromC = 278,
+    /// `thermal.inverter.derate_to_c` must lie above the field that limits it from below.
+    ThermalInverterDerateToC = 279,
+    /// `thermal.winding.reference_c` must lie in the range that its documentation gives.
+    ThermalReferenceC = 280,
+    /// `thermal.winding.per_k` must lie in the range that its documentation gives.
+    ThermalPerK = 281,
+    /// `converter.current_limit_a` must be finite and between 1e-12 and 1e12: of a drive that may be derated.
+    ConverterCurrentLimitAFinite = 282,
     /// `soc_sd` must lie in 0..1.
     SocSd = 300,
     /// `temperature_c` must lie in the range that its documentation gives.

@@ -38,7 +38,9 @@ pub unsafe extern "C" fn voltstep_params_preset(
         p if p == P::BmwI3Pmsm as u32 => (&presets::BMW_I3_60AH_PMSM).into(),
         #[cfg(all(feature = "drives", feature = "pmsm"))]
         p if p == P::TwoAxles as u32 => (&presets::TWO_AXLES).into(),
-        p if p == P::BmwI3Pmsm as u32 || p == P::TwoAxles as u32 => {
+        #[cfg(feature = "thermal")]
+        p if p == P::BmwI3Thermal as u32 => (&presets::BMW_I3_60AH_THERMAL).into(),
+        p if [P::BmwI3Pmsm, P::TwoAxles, P::BmwI3Thermal].iter().any(|it| p == *it as u32) => {
             return VoltstepStatus::NotBuiltIn;
         }
         _ => return VoltstepStatus::UnknownPreset,

@@ -28,7 +28,7 @@ pub struct VoltstepInputs {
     pub reference_m_s: f32,
     /// With the torque driver: how fast that changes, in m/s^2; 0 where it is not known.
     pub reference_m_s2: f32,
-    /// Without a driver, of one DC drive: duty of the converter, a ratio -1..1; NaN, the default,
+    /// Without a driver, of one DC drive without temperatures: duty of the converter, a ratio -1..1; NaN, the default,
     /// where a torque is asked for, or gates are to be off.
     pub duty: f32,
     /// Without a driver: torque of all motors, as felt at the shaft of the first, in N m, by an ideal
@@ -70,6 +70,12 @@ pub struct VoltstepDriveOutputs {
     /// Synchronous machine: it turned too far in this step for what rings at the electrical frequency
     /// to be followed; it is damped.
     pub coarse_step: bool,
+    /// Temperature of a heated drive's machine in degrees C; else 0.
+    pub machine_c: f32,
+    /// Temperature of a heated drive's inverter in degrees C; else 0.
+    pub inverter_c: f32,
+    /// How much of the converter's current limit the temperatures take away, a ratio 0..1.
+    pub derated: f32,
 }
 
 impl VoltstepDriveOutputs {
@@ -82,6 +88,9 @@ impl VoltstepDriveOutputs {
         motor_nm: 0.0,
         motor_rad_s: 0.0,
         coarse_step: false,
+        machine_c: 0.0,
+        inverter_c: 0.0,
+        derated: 0.0,
     };
 }
 
@@ -132,7 +141,7 @@ pub struct VoltstepSum {
     pub lost: f32,
 }
 
-/// Every bit that the winding of a drive remembers; zeros of the other kind of machine.
+/// Every bit that a drive remembers; zeros of the other kind of machine.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoltstepDriveSnapshot {
@@ -142,12 +151,33 @@ pub struct VoltstepDriveSnapshot {
     pub d_a: VoltstepSum,
     /// Synchronous machine: current of the q axis in A.
     pub q_a: VoltstepSum,
+    /// Heated drive: how much warmer than the coolant its machine is, in K.
+    pub machine_above_k: VoltstepSum,
+    /// Heated drive: how much warmer than the coolant its inverter is, in K.
+    pub inverter_above_k: VoltstepSum,
 }
 
 impl VoltstepDriveSnapshot {
     /// Of a drive that there is not.
-    pub(crate) const NONE: Self =
-        Self { current_a: VoltstepSum::ZERO, d_a: VoltstepSum::ZERO, q_a: VoltstepSum::ZERO };
+    pub(crate) const NONE: Self = Self {
+        current_a: VoltstepSum::ZERO,
+        d_a: VoltstepSum::ZERO,
+        q_a: VoltstepSum::ZERO,
+        machine_above_k: VoltstepSum::ZERO,
+        inverter_above_k: VoltstepSum::ZERO,
+    };
+
+    /// What a drive remembers of which only one of the two is used.
+    #[cfg(all(feature = "drives", feature = "pmsm"))]
+    pub(crate) fn or(self, other: Self) -> Self {
+        Self {
+            current_a: self.current_a.or(other.current_a),
+            d_a: self.d_a.or(other.d_a),
+            q_a: self.q_a.or(other.q_a),
+            machine_above_k: self.machine_above_k.or(other.machine_above_k),
+            inverter_above_k: self.inverter_above_k.or(other.inverter_above_k),
+        }
+    }
 }
 
 /// Every bit that the plant remembers: to compare two runs bit for bit.
@@ -172,6 +202,12 @@ pub struct VoltstepSnapshot {
 
 impl VoltstepSum {
     const ZERO: Self = Self { value: 0.0, lost: 0.0 };
+
+    /// The one of two that has any bit set.
+    #[cfg(all(feature = "drives", feature = "pmsm"))]
+    const fn or(self, other: Self) -> Self {
+        if self.value.to_bits() | self.lost.to_bits() == 0 { other } else { self }
+    }
 }
 
 impl From<Accum> for VoltstepSum {

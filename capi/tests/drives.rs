@@ -1,5 +1,5 @@
 //! Vehicles with other drives than one DC machine, as C drives them.
-#![cfg(all(feature = "drives", feature = "pmsm"))]
+#![cfg(all(feature = "drives", feature = "pmsm", feature = "thermal"))]
 
 use plant_core::battery::BatteryParams;
 use plant_core::control::driver::{DriverInput, DriverParams, DriverState, Steering, TorqueDriver};
@@ -70,6 +70,54 @@ fn two_axles_step_as_the_models_do() {
     assert!(rear.q_a > 0.0 && front.q_a == 0.0 && front.motor_a > 0.0, "{out:?}");
     assert!(rear.motor_rad_s > front.motor_rad_s && none.motor_rad_s == 0.0, "{out:?}");
     assert!(rear.motor_nm < out.motor_nm, "{out:?}");
+}
+
+/// As it is, and with a part that is hot from the start.
+#[test]
+fn a_drive_that_heats_up_steps_as_the_models_do() {
+    let [one, others @ ..] =
+        as_the_models(VoltstepPreset::BmwI3Thermal, &presets::BMW_I3_60AH_THERMAL).drives;
+    assert!(one.machine_c > 50.0 && one.inverter_c > 50.0 && one.derated == 0.0, "{one:?}");
+    assert!(others.iter().all(|drive| drive.machine_c == 0.0), "{others:?}");
+
+    let mut hot = presets::BMW_I3_60AH_THERMAL;
+    hot.powertrain.drives.thermal.coolant_c = 115.0;
+    let params = VoltstepParams::from(&hot);
+    assert_eq!(params.drives[0].thermal.coolant_c, 115.0);
+    let plant = plant(&params);
+    let mut state = state(&plant, 0.7);
+    let (_, out) = (0..100).map(|_| step(&plant, &mut state, &inputs(10.0))).last().unwrap();
+    let one = out.drives[0];
+    assert!(one.inverter_c > 115.0 && one.motor_a < 399.0, "{one:?}");
+    // Derated from 100 to 125 degrees C.
+    assert!((one.derated - (one.inverter_c - 100.0) / 25.0).abs() < 1e-5, "{one:?}");
+    let now = snapshot(&state).drives[0];
+    assert_eq!(115.0 + now.inverter_above_k.value, one.inverter_c);
+    assert!(now.machine_above_k.value > 0.0 && now.current_a.value > 0.0, "{now:?}");
+}
+
+/// A synchronous machine and several drives heat up, too; each alone.
+#[test]
+fn any_drive_may_heat_up() {
+    let thermal = preset(VoltstepPreset::BmwI3Thermal).drives[0].thermal;
+    let mut alone = preset(VoltstepPreset::BmwI3Pmsm);
+    alone.drives[0].thermal = thermal;
+    alone.drives[0].thermal.machine.derate_to_c = f32::INFINITY;
+    alone.drives[0].converter.current_limit_a = 600.0;
+    let mut two = preset(VoltstepPreset::TwoAxles);
+    two.drives[1].thermal = thermal;
+    two.drives[1].converter.current_limit_a = 600.0;
+    for (params, at, other) in [(alone, 0, 1), (two, 1, 0)] {
+        let plant = plant(&params);
+        let mut state = state(&plant, 0.7);
+        let (status, out) =
+            (0..1000).map(|_| step(&plant, &mut state, &inputs(10.0))).last().unwrap();
+        assert_eq!(status, Status::Ok);
+        assert!(out.drives[at].machine_c > 50.0 && out.drives[at].inverter_c > 50.0, "{out:?}");
+        let now = snapshot(&state).drives;
+        assert!(now[at].machine_above_k.value > 0.0, "{now:?}");
+        assert_eq!(now[other].machine_above_k.value, 0.0);
+    }
 }
 
 /// The torque of each drive once its loop has settled.
@@ -199,4 +247,32 @@ fn every_bad_parameter_of_a_drive_has_its_code() {
     let mut params = preset(VoltstepPreset::TwoAxles);
     params.driver = VoltstepDriverKind::Duty as u32;
     assert_eq!(refusal(&params), Status::DriverOfOneDc);
+}
+
+#[test]
+fn every_bad_temperature_of_a_drive_has_its_code() {
+    type Change = fn(&mut VoltstepDriveParams);
+    let bad: [(Change, Status); 13] = [
+        (|d| d.thermal.coolant_c = f32::NAN, Status::ThermalCoolantC),
+        (|d| d.thermal.coolant_c = 201.0, Status::ThermalCoolantCRange),
+        (|d| d.thermal.machine.heat_capacity_j_per_k = 0.0, Status::ThermalMachineHeatCapacity),
+        (|d| d.thermal.machine.coolant_k_per_w = 0.0, Status::ThermalMachineCoolantKPerW),
+        (|d| d.thermal.machine.derate_from_c = -300.0, Status::ThermalMachineDerateFromC),
+        (|d| d.thermal.machine.derate_to_c = 0.0, Status::ThermalMachineDerateToC),
+        (|d| d.thermal.inverter.heat_capacity_j_per_k = 0.0, Status::ThermalInverterHeatCapacity),
+        (|d| d.thermal.inverter.coolant_k_per_w = 0.0, Status::ThermalInverterCoolantKPerW),
+        (|d| d.thermal.inverter.derate_from_c = -300.0, Status::ThermalInverterDerateFromC),
+        (|d| d.thermal.inverter.derate_to_c = 0.0, Status::ThermalInverterDerateToC),
+        (|d| d.thermal.reference_c = f32::NAN, Status::ThermalReferenceC),
+        (|d| d.thermal.per_k = -1.0, Status::ThermalPerK),
+        (|d| d.converter.current_limit_a = f32::INFINITY, Status::ConverterCurrentLimitAFinite),
+    ];
+    for (change, wanted) in bad {
+        let mut params = preset(VoltstepPreset::BmwI3Thermal);
+        change(&mut params.drives[0]);
+        assert_eq!(refusal(&params), wanted);
+        // What does not heat up is not looked at.
+        params.drives[0].thermal.heated = 0;
+        assert_eq!(refusal(&params), Status::Ok, "{wanted:?}");
+    }
 }

@@ -1,5 +1,5 @@
 //! What is not built in is refused by name, and the rest works: `cargo xtask capi` runs it so.
-#![cfg(not(any(feature = "drives", feature = "pmsm")))]
+#![cfg(not(any(feature = "drives", feature = "pmsm", feature = "thermal")))]
 
 use voltstep_capi::VoltstepStatus as Status;
 use voltstep_capi::*;
@@ -16,7 +16,9 @@ fn one_dc_drive_steps_and_others_are_refused() {
     assert_eq!((status, first.rejected), (Status::Ok, false));
     assert_eq!(first.drives[1].motor_a, 0.0);
 
-    for number in [VoltstepPreset::BmwI3Pmsm, VoltstepPreset::TwoAxles] {
+    for number in
+        [VoltstepPreset::BmwI3Pmsm, VoltstepPreset::TwoAxles, VoltstepPreset::BmwI3Thermal]
+    {
         let mut params = car;
         // SAFETY: the pointer comes from a reference.
         let status = unsafe { voltstep_params_preset(number as u32, &raw mut params) };
@@ -24,6 +26,9 @@ fn one_dc_drive_steps_and_others_are_refused() {
     }
     let mut other = car;
     other.drives[0].machine = VoltstepMachine::Pmsm as u32;
+    assert_eq!(refusal(&other), Status::NotBuiltIn);
+    let mut other = car;
+    other.drives[0].thermal.heated = 1;
     assert_eq!(refusal(&other), Status::NotBuiltIn);
     for count in 2..=4 {
         let mut other = car;

@@ -19,8 +19,13 @@ const LIBRARY: &str = "libvoltstep_capi.a";
 const HEADER: &str = "capi/include/voltstep.h";
 const GOLDEN: &str = "firmware-example/golden.toml";
 /// The vehicles that the example drives. The interface has no battery with a map.
-const VEHICLES: &[&str] =
-    &["epowertrain-udds", "bmw-i3-60ah-constant", "bmw-i3-60ah-pmsm", "two-axles"];
+const VEHICLES: &[&str] = &[
+    "epowertrain-udds",
+    "bmw-i3-60ah-constant",
+    "bmw-i3-60ah-pmsm",
+    "bmw-i3-60ah-thermal",
+    "two-axles",
+];
 /// How many of them, the first, have one DC drive.
 const OF_ONE_DC: usize = 2;
 const CYCLE: &str = "data/cycles/udds.csv";

@@ -17,12 +17,19 @@ use plant_core::{
     machine::pmsm::PmsmParams,
     machine::transform::Dq,
 };
+#[cfg(feature = "thermal")]
+use plant_core::{
+    machine::heated::{DriveThermalParams, HeatedPartParams},
+    powertrain::HeatedDriveParams,
+    thermal::Conductor,
+};
 
 #[cfg(feature = "drives")]
 use crate::cars::AnyDrive;
 use crate::params::{
-    VoltstepConverterParams, VoltstepDriveParams, VoltstepGearboxParams, VoltstepMachine,
-    VoltstepMotorParams, VoltstepPmsmParams,
+    VoltstepConverterParams, VoltstepDriveParams, VoltstepDriveThermalParams,
+    VoltstepGearboxParams, VoltstepHeatedPartParams, VoltstepMachine, VoltstepMotorParams,
+    VoltstepPmsmParams,
 };
 use crate::status::VoltstepStatus;
 
@@ -33,23 +40,40 @@ pub(super) enum DriveModel {
     Pmsm(DriveParams<PmsmParams>),
 }
 
-#[cfg(feature = "drives")]
-impl DriveModel {
+impl VoltstepDriveParams {
     /// The drive, told apart at run time.
-    pub fn axles(self, wheel: WheelParams, dt: Dt) -> Result<Axles<AnyDrive>, VoltstepStatus> {
-        Ok(match self {
+    #[cfg(feature = "drives")]
+    pub(super) fn axles(
+        &self,
+        wheel: WheelParams,
+        dt: Dt,
+    ) -> Result<Axles<AnyDrive>, VoltstepStatus> {
+        Ok(match self.model()? {
             #[cfg(feature = "pmsm")]
-            Self::Dc(drive) => drive.on(wheel, dt)?.map(Either::One),
+            DriveModel::Dc(drive) => self.warm(drive).on(wheel, dt)?.map(Either::One),
             #[cfg(not(feature = "pmsm"))]
-            Self::Dc(drive) => drive.on(wheel, dt)?,
+            DriveModel::Dc(drive) => self.warm(drive).on(wheel, dt)?,
             #[cfg(feature = "pmsm")]
-            Self::Pmsm(drive) => drive.on(wheel, dt)?.map(Either::Other),
+            DriveModel::Pmsm(drive) => self.warm(drive).on(wheel, dt)?.map(Either::Other),
         })
     }
-}
 
-impl VoltstepDriveParams {
+    /// The drive with its temperatures, if it has any.
+    #[cfg(feature = "thermal")]
+    pub(super) fn warm<M>(&self, drive: DriveParams<M>) -> HeatedDriveParams<M> {
+        HeatedDriveParams { drive, thermal: self.thermal.model() }
+    }
+
+    #[cfg(all(feature = "drives", not(feature = "thermal")))]
+    #[expect(clippy::unused_self, reason = "where temperatures are built in, it is used")]
+    fn warm<M>(&self, drive: DriveParams<M>) -> DriveParams<M> {
+        drive
+    }
+
     pub(super) fn model(&self) -> Result<DriveModel, VoltstepStatus> {
+        if cfg!(not(feature = "thermal")) && self.thermal.heated != 0 {
+            return Err(VoltstepStatus::NotBuiltIn);
+        }
         match self.machine {
             m if m == VoltstepMachine::Dc as u32 => {
                 Ok(DriveModel::Dc(self.with(self.motor.model())))
@@ -121,6 +145,33 @@ impl VoltstepPmsmParams {
     }
 }
 
+#[cfg(feature = "thermal")]
+impl VoltstepDriveThermalParams {
+    const fn model(&self) -> DriveThermalParams {
+        if self.heated == 0 {
+            return DriveThermalParams::NONE;
+        }
+        DriveThermalParams {
+            coolant_c: self.coolant_c,
+            machine: self.machine.model(),
+            inverter: self.inverter.model(),
+            winding: Conductor { reference_c: self.reference_c, per_k: self.per_k },
+        }
+    }
+}
+
+#[cfg(feature = "thermal")]
+impl VoltstepHeatedPartParams {
+    const fn model(&self) -> HeatedPartParams {
+        HeatedPartParams {
+            heat_capacity_j_per_k: self.heat_capacity_j_per_k,
+            coolant_k_per_w: self.coolant_k_per_w,
+            derate_from_c: self.derate_from_c,
+            derate_to_c: self.derate_to_c,
+        }
+    }
+}
+
 /// Drives that a preset has, for C.
 pub(crate) trait Described {
     const COUNT: u32;
@@ -180,6 +231,35 @@ impl Described for DriveParams<PmsmParams> {
     }
 }
 
+#[cfg(feature = "thermal")]
+impl Described for HeatedDriveParams {
+    const COUNT: u32 = 1;
+
+    fn describe(&self, places: &mut IterMut<'_, VoltstepDriveParams>) {
+        let Some(place) = places.next() else { return };
+        self.drive.describe(&mut core::slice::from_mut(place).iter_mut());
+        let t = &self.thermal;
+        place.thermal = VoltstepDriveThermalParams {
+            heated: 1,
+            coolant_c: t.coolant_c,
+            machine: part(&t.machine),
+            inverter: part(&t.inverter),
+            reference_c: t.winding.reference_c,
+            per_k: t.winding.per_k,
+        };
+    }
+}
+
+#[cfg(feature = "thermal")]
+const fn part(part: &HeatedPartParams) -> VoltstepHeatedPartParams {
+    VoltstepHeatedPartParams {
+        heat_capacity_j_per_k: part.heat_capacity_j_per_k,
+        coolant_k_per_w: part.coolant_k_per_w,
+        derate_from_c: part.derate_from_c,
+        derate_to_c: part.derate_to_c,
+    }
+}
+
 fn put(places: &mut IterMut<'_, VoltstepDriveParams>, drive: VoltstepDriveParams) {
     if let Some(place) = places.next() {
         *place = drive;
@@ -208,6 +288,13 @@ fn described<M>(drive: &DriveParams<M>, machine: VoltstepMachine) -> VoltstepDri
         ..NO_DRIVE
     }
 }
+
+const NO_PART: VoltstepHeatedPartParams = VoltstepHeatedPartParams {
+    heat_capacity_j_per_k: 0.0,
+    coolant_k_per_w: 0.0,
+    derate_from_c: 0.0,
+    derate_to_c: 0.0,
+};
 
 /// For drives, and machines, that there are not: invalid on purpose, so that they are set when they
 /// are counted or chosen.
@@ -242,6 +329,14 @@ pub(super) const NO_DRIVE: VoltstepDriveParams = VoltstepDriveParams {
         coulomb_nm: 0.0,
     },
     gearbox: VoltstepGearboxParams { ratio: 0.0, efficiency: 0.0, inertia_kg_m2: 0.0 },
+    thermal: VoltstepDriveThermalParams {
+        heated: 0,
+        coolant_c: 0.0,
+        machine: NO_PART,
+        inverter: NO_PART,
+        reference_c: 0.0,
+        per_k: 0.0,
+    },
     torque_rate_per_s: 0.0,
     torque_share: 0.0,
 };
