@@ -20,6 +20,8 @@ const FOLDER: &str = "firmware-example";
 /// The least firmware, and what it says.
 const MINIMAL: (&str, &str) = ("minimal", "src/bin/minimal.out");
 
+/// Switched circuits, on both sides.
+const CIRCUITS: &str = "circuits";
 /// The whole BMS of a pack, on both sides.
 const OWN_PACK: &str = "own_pack";
 /// The same pack, recorded.
@@ -137,7 +139,8 @@ pub fn bits() -> Result<()> {
             );
         }
     }
-    own_pack()?;
+    same_text(CIRCUITS, trace_example(CIRCUITS)?)?;
+    same_text(OWN_PACK, own_pack())?;
     recorded()
 }
 
@@ -183,30 +186,51 @@ fn bytes(text: &str) -> Result<Vec<u8>> {
     bytes.filter(|bytes| !bytes.is_empty()).context("not hexadecimal digits")
 }
 
-/// The whole BMS of the example's pack says the same here and there.
-fn own_pack() -> Result<()> {
-    let example =
-        ["run", "-q", "--release", "--locked", "-p", "voltstep-bms", "--example", OWN_PACK];
-    let here = output(cargo().args(example))?;
-    println!("{OWN_PACK} here: {}", here.trim());
-    for (machine, there) in MACHINES.iter().zip(on_every_machine(OWN_PACK, &[])?) {
-        let at = format!("{OWN_PACK} at opt-level {} on {}", machine.0, machine.1);
+/// An image says what an example says here.
+fn same_text(name: &str, mut example: Command) -> Result<()> {
+    let here = output(&mut example)?;
+    println!("{name} here: {}", here.trim());
+    for (machine, there) in MACHINES.iter().zip(on_every_machine(name, &[])?) {
+        let at = format!("{name} at opt-level {} on {}", machine.0, machine.1);
         ensure!(there.trim() == here.trim(), "{at} differs: {there}");
         println!("{at}: the same");
     }
     Ok(())
 }
 
+/// The whole BMS of a pack, of the workspace.
+fn own_pack() -> Command {
+    let mut command = cargo();
+    command.args([
+        "run",
+        "-q",
+        "--release",
+        "--locked",
+        "-p",
+        "voltstep-bms",
+        "--example",
+        OWN_PACK,
+    ]);
+    command
+}
+
+/// An example of what runs on both sides, here.
+fn trace_example(name: &str) -> Result<Command> {
+    let mut command = firmware_cargo();
+    command.args(["run", "--quiet", "--release", "--locked"]).args([
+        "-p",
+        "voltstep-trace",
+        "--example",
+        name,
+        "--target",
+        &host()?,
+    ]);
+    Ok(command)
+}
+
 /// What the host says of a vehicle.
 pub fn host_trace(vehicle: &str, block: Option<&str>) -> Result<String> {
-    let package = ["-p", "voltstep-trace", "--example", "trace", "--target", &host()?];
-    output(
-        firmware_cargo()
-            .args(["run", "--quiet", "--release", "--locked"])
-            .args(package)
-            .args(["--", vehicle])
-            .args(block),
-    )
+    output(trace_example("trace")?.args(["--", vehicle]).args(block))
 }
 
 /// Every frame of a block, as the firmware says it in QEMU.

@@ -1,5 +1,7 @@
 //! FNV-1a with 64 bits: small, and the same in any language.
 
+use plant_core::Accum;
+
 /// A running FNV-1a hash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fnv1a(u64);
@@ -17,6 +19,13 @@ impl Fnv1a {
         for byte in word.to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
+    }
+
+    /// Takes in the value of a compensated sum and, exactly, what it holds back.
+    #[inline]
+    pub fn sum(&mut self, sum: Accum) {
+        self.word(sum.get().to_bits());
+        self.word(sum.since(Accum::new(sum.get())).to_bits());
     }
 
     /// The hash so far.

@@ -6,6 +6,7 @@ use plant_core::control::driver::Steering;
 use plant_core::machine::pmsm::DqCurrents;
 use plant_core::powertrain::Drives;
 use plant_core::powertrain::ledger::{Book, NoLedger};
+use voltstep_trace::circuits::{STEPS, switched};
 use voltstep_trace::{
     BLOCKS, BMW_I3, BMW_I3_CONSTANT, BMW_I3_CONSTANT_MONITOR, BMW_I3_MONITOR, BMW_I3_PMSM,
     BMW_I3_PMSM_LEDGER, BMW_I3_THERMAL, CYCLE, EPOWERTRAIN, EPOWERTRAIN_MONITOR, Fnv1a, Frame,
@@ -61,6 +62,22 @@ fn the_bits_are_golden() {
     is_golden("bmw-i3-60ah-pmsm", &BMW_I3_PMSM, &BMW_I3_CONSTANT_MONITOR);
     is_golden("bmw-i3-60ah-thermal", &BMW_I3_THERMAL, &BMW_I3_CONSTANT_MONITOR);
     is_golden("two-axles", &TWO_AXLED, &BMW_I3_CONSTANT_MONITOR);
+}
+
+/// The hash and where the circuits end, as the golden file has them; and that is where they should be.
+#[test]
+fn the_bits_of_circuits_are_golden() {
+    let said = switched(STEPS).to_string();
+    assert!(GOLDEN.contains(&format!("[circuits]\nsaid = \"{said}\"\n")), "golden.toml: {said}");
+    let words: Vec<_> = said.split(' ').collect();
+    let after = |name: &str| words[words.iter().position(|word| *word == name).unwrap() + 1];
+    assert_eq!(after("settled"), "true");
+    let rectified_v: f32 = after("rectified_v").parse().unwrap();
+    assert!((90.0..100.0).contains(&rectified_v), "{rectified_v}");
+    // The gate ends high.
+    let inverted_v: f32 = after("inverted_v").parse().unwrap();
+    assert!(inverted_v.abs() < 0.1, "{inverted_v}");
+    assert_ne!(said, switched(STEPS - 1).to_string());
 }
 
 /// Every word has a name, so none was left out for want of room; both machines are among them.
