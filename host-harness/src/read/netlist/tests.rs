@@ -2,6 +2,7 @@ use super::*;
 use crate::simulate::circuit::run;
 
 const BUCK: &str = include_str!("../../../data/circuits/buck.toml");
+const STAR_DELTA: &str = include_str!("../../../data/circuits/star-delta.toml");
 const RECTIFIER: &str = include_str!("../../../data/circuits/rectifier.toml");
 
 fn read(text: &str) -> Netlist {
@@ -32,6 +33,31 @@ fn a_buck_converter_from_a_file_gives_what_its_duty_says() {
         let found = mean(from_s, from_s + 0.001);
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
     }
+}
+
+#[test]
+fn a_star_and_a_delta_of_thrice_its_impedance_take_the_same_current() {
+    let outcome = run(&read(STAR_DELTA)).unwrap();
+    assert_eq!(outcome.unsettled_steps, 0);
+    let peak_a = |name: &str, from_s: f64, to_s: f64| {
+        let part = outcome.elements.iter().position(|e| e.name == name).unwrap();
+        let rows = outcome.time_s.iter().zip(&outcome.current_a[part]);
+        rows.filter(|(t, _)| (from_s..to_s).contains(*t))
+            .fold(0.0, |most, (_, a)| a.abs().max(most))
+    };
+    let line_a = 325.27 / 10.0_f64.hypot(0.02 * std::f64::consts::TAU * 50.0);
+    let (star, delta) = ((0.07, 0.1), (0.17, 0.2));
+    for (name, (from_s, to_s), expected_a) in [
+        ("to_star_a", star, line_a),
+        ("star_c", star, line_a),
+        ("to_delta_b", delta, line_a),
+        ("delta_ca", delta, line_a / 3.0_f64.sqrt()),
+    ] {
+        let found_a = peak_a(name, from_s, to_s);
+        assert!((found_a / expected_a - 1.0).abs() < 1e-3, "{name}: {found_a} {expected_a}");
+    }
+    // What is switched off takes what its open switches let through.
+    assert!(peak_a("to_delta_b", star.0, star.1) < 4e-3);
 }
 
 #[test]
