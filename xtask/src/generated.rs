@@ -16,13 +16,20 @@ use crate::metadata::Metadata;
 use crate::shell::{cargo, output};
 
 /// The commands whose plot sheets the documents show, and where these are kept.
-const PLOTS: [(&str, &str); 6] = [
+const PLOTS: &[(&str, &str)] = &[
     ("replay udds", "docs/src/udds.svg"),
     ("experiment motor-step", "docs/src/experiments/motor-step.svg"),
     ("experiment converter-bench", "docs/src/experiments/converter-bench.svg"),
     ("experiment udds-energy", "docs/src/experiments/udds-energy.svg"),
     ("experiment pmsm-start", "docs/src/experiments/pmsm-start.svg"),
     ("experiment pmsm-field-weakening", "docs/src/experiments/pmsm-field-weakening.svg"),
+    ("experiment precharge", "docs/src/experiments/precharge.svg"),
+    ("experiment buck-converter", "docs/src/experiments/buck-converter.svg"),
+    ("experiment boost-converter", "docs/src/experiments/boost-converter.svg"),
+    ("experiment h-bridge-motor", "docs/src/experiments/h-bridge-motor.svg"),
+    ("experiment bridge-start", "docs/src/experiments/bridge-start.svg"),
+    ("experiment bridge-open-transistor", "docs/src/experiments/bridge-open-transistor.svg"),
+    ("experiment bridge-shorted-transistor", "docs/src/experiments/bridge-shorted-transistor.svg"),
 ];
 /// The block that holds the accuracy table, and the cases of `voltstep validate` that it shows.
 const ACCURACY: &str = "validate --json";
@@ -52,7 +59,7 @@ pub fn generated() -> Result<()> {
             stale.push(document.path.display().to_string());
         }
     }
-    for (arguments, kept) in PLOTS {
+    for &(arguments, kept) in PLOTS {
         let plot = folder.join(folder_name(arguments)).join("report.svg");
         let plot = fs::read_to_string(plot)
             .with_context(|| format!("no document shows what `voltstep {arguments}` prints"))?;
