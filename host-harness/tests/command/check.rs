@@ -32,8 +32,8 @@ fn says_what_each_file_is_and_what_can_be_done_with_it() {
 #[test]
 fn a_doubt_ends_with_code_1_and_what_cannot_be_read_with_2() {
     let sandbox = Sandbox::new();
-    let rows: String =
-        (0..200).map(|i| format!("{i},-2,3.7,{}\n", f64::from(i) / 1800.0)).collect();
+    let rows = (0..200).map(|i| format!("{i},-2,3.7,{}\n", f64::from(i) / 1800.0));
+    let rows = rows.collect::<Vec<_>>().concat();
     sandbox.write("turned.csv", format!("time_s,current_a,voltage_v,discharged_ah\n{rows}"));
     let run = sandbox.run(&["check", "turned.csv"]);
     assert_eq!(run.code, Some(1), "{}", run.stderr);
