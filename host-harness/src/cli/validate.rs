@@ -56,7 +56,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<bool> {
         let parameters = Parameters { vehicle: &vehicle, files: &texts };
         let keep = |replay: &Replay| {
             let mode = match replay.summary.mode {
-                Replayed::Battery => Mode::Battery,
+                Replayed::Battery | Replayed::Profile => Mode::Battery,
                 Replayed::Cycle | Replayed::Trip => Mode::Vehicle,
             };
             let name = overview::of_trip(&replay.summary.input, mode);

@@ -12,7 +12,7 @@ use crate::read::error::{self, InputError};
 use crate::read::recognise::{FileKind, recognise};
 use crate::read::table::{Column, Sheet, Table};
 use crate::read::trip::{self, Trip};
-use crate::read::{battery, cycle, netlist, scenario, vehicle};
+use crate::read::{battery, cycle, netlist, profile, scenario, vehicle};
 
 /// What was found in a file.
 #[derive(Clone, Debug, Serialize)]
@@ -111,6 +111,10 @@ pub fn parse(file: &str, bytes: &[u8], capacity_ah: f64) -> anyhow::Result<Check
         FileKind::Cell => {
             found = Findings::of_cell(&cell::parse(file, bytes)?);
             columns = Some(cell::COLUMNS.to_vec());
+        }
+        FileKind::Profile => {
+            found.notes = profile::parse(file, bytes)?.notes;
+            columns = Some(profile::COLUMNS.to_vec());
         }
         FileKind::Vehicle => {
             let vehicle = vehicle::parse(file, bytes)?;
@@ -221,7 +225,7 @@ fn facts(sheet: &Sheet<'_>, columns: &[Column]) -> Result<TableFacts, InputError
 
 fn commands(kind: FileKind, file: &str) -> Vec<String> {
     let with: &[&str] = match kind {
-        FileKind::Cycle => &["replay {}"],
+        FileKind::Cycle | FileKind::Profile => &["replay {}"],
         FileKind::Trip => &[
             "replay {}",
             "replay {} --mode battery",

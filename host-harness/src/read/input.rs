@@ -7,6 +7,7 @@ use anyhow::{Context, bail, ensure};
 use crate::read::cell::{self, CellRecord};
 use crate::read::cycle::{self, Cycle};
 use crate::read::error::{self, InputError, nearest};
+use crate::read::profile::{self, Profile};
 use crate::read::recognise::{FileKind, recognise};
 use crate::read::trip::{self, Trip};
 
@@ -17,6 +18,8 @@ pub enum Drive {
     Cycle(Cycle),
     /// A measured trip.
     Trip(Box<Trip>),
+    /// A load of the battery alone.
+    Profile(Profile),
 }
 
 impl Drive {
@@ -26,6 +29,7 @@ impl Drive {
         match self {
             Self::Cycle(cycle) => &cycle.name,
             Self::Trip(trip) => &trip.name,
+            Self::Profile(profile) => &profile.name,
         }
     }
 }
@@ -39,10 +43,10 @@ pub enum Measurement {
     Cell(CellRecord),
 }
 
-/// Finds a cycle by its name, or reads a cycle or trip file.
+/// Finds a cycle by its name, or reads a file with a cycle, a trip or a profile.
 ///
 /// # Errors
-/// No such name or file; a file that is neither.
+/// No such name or file; a file that is none of them.
 pub fn drive(input: &str) -> anyhow::Result<Drive> {
     if let Some(cycle) = cycle::by_name(input) {
         return Ok(Drive::Cycle(cycle));
@@ -57,8 +61,10 @@ pub fn drive(input: &str) -> anyhow::Result<Drive> {
             cycle::names().collect::<Vec<_>>().join(", ")
         );
     }
-    let File { name, bytes, kind } = File::read(path, &[FileKind::Cycle, FileKind::Trip])?;
+    let wanted = [FileKind::Cycle, FileKind::Trip, FileKind::Profile];
+    let File { name, bytes, kind } = File::read(path, &wanted)?;
     Ok(match kind {
+        FileKind::Profile => Drive::Profile(profile::parse(&name, &bytes)?),
         FileKind::Trip => Drive::Trip(Box::new(trip::parse(&name, &bytes)?)),
         _ => Drive::Cycle(cycle::parse(&name, &bytes)?),
     })

@@ -13,6 +13,7 @@ mod document;
 pub mod error;
 pub mod input;
 pub mod netlist;
+pub mod profile;
 pub mod recognise;
 pub mod scenario;
 mod stamp;

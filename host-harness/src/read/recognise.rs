@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::read::error::{self, InputError};
 use crate::read::table::{Sheet, has};
-use crate::read::{cell, cycle, trip};
+use crate::read::{cell, cycle, profile, trip};
 
 /// What a file may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -16,6 +16,8 @@ pub enum FileKind {
     Trip,
     /// A test of one cell.
     Cell,
+    /// A load of a battery alone.
+    Profile,
     /// A vehicle's parameters.
     Vehicle,
     /// A battery's parameters.
@@ -30,10 +32,11 @@ pub enum FileKind {
 
 impl FileKind {
     /// Every kind.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Cycle,
         Self::Trip,
         Self::Cell,
+        Self::Profile,
         Self::Vehicle,
         Self::Battery,
         Self::Circuit,
@@ -47,6 +50,7 @@ impl FileKind {
             Self::Cycle => "driving cycle",
             Self::Trip => "trip",
             Self::Cell => "test of a cell",
+            Self::Profile => "profile of current or power",
             Self::Vehicle => "vehicle",
             Self::Battery => "battery",
             Self::Circuit => "circuit",
@@ -61,6 +65,7 @@ impl FileKind {
             Self::Cycle => "columns `time_s` or `distance_m`, and `speed_m_s` or `speed_km_h`",
             Self::Trip => "columns `Time [s]`, `Velocity [km/h]`, `Battery Voltage [V]`, …",
             Self::Cell => "columns `time_s`, `current_a`, `voltage_v`, …",
+            Self::Profile => "columns `time_s`, and `current_a` or `power_w`, without a voltage",
             Self::Vehicle => "TOML with [body]",
             Self::Battery => "TOML with [battery.open_circuit]",
             Self::Circuit => "TOML with [run]",
@@ -133,6 +138,8 @@ fn of_table(file: &str, bytes: &[u8]) -> Result<Option<FileKind>, InputError> {
     let header = Sheet::open(file, bytes, is_header)?.header;
     Ok(match (has(&cycle::COLUMNS[1], &header), electric(&header)) {
         (true, true) => Some(FileKind::Trip),
+        (false, true) if measures_voltage(&header) => Some(FileKind::Cell),
+        (false, _) if profile::is_load(&header) => Some(FileKind::Profile),
         (false, true) => Some(FileKind::Cell),
         (true, false) => Some(FileKind::Cycle),
         (false, false) => timed(&header).then_some(FileKind::Cycle),
@@ -141,7 +148,12 @@ fn of_table(file: &str, bytes: &[u8]) -> Result<Option<FileKind>, InputError> {
 
 /// Whether a line is the header of any of the tables.
 pub(crate) fn is_header(header: &[String]) -> bool {
-    timed(header) && (has(&cycle::COLUMNS[1], header) || electric(header))
+    timed(header)
+        && (has(&cycle::COLUMNS[1], header) || electric(header) || profile::is_load(header))
+}
+
+fn measures_voltage(header: &[String]) -> bool {
+    has(&cell::COLUMNS[2], header) || has(&trip::COLUMNS[4], header)
 }
 
 fn electric(header: &[String]) -> bool {
@@ -198,7 +210,9 @@ mod tests {
             (b"\xef\xbb\xbftime_s;speed_m_s\r\n0;0,0\r\n", FileKind::Cycle),
             (b"made by\nsome cycler\n\nTest_Time(s)\tCurrent(A)\tVoltage(V)\n", FileKind::Cell),
             (CELL.as_bytes(), FileKind::Cell),
-            (b"time_s,current_a\n", FileKind::Cell),
+            (b"time_s,current_a\n", FileKind::Profile),
+            (b"time_s,power_kw,remark\n", FileKind::Profile),
+            (b"time_s,voltage_v\n", FileKind::Cell),
             (VEHICLE.as_bytes(), FileKind::Vehicle),
             (BATTERY.as_bytes(), FileKind::Battery),
             (b"name = 'x'\n[run]\n", FileKind::Circuit),

@@ -3,7 +3,6 @@
 use crate::read::trip::Trip;
 use crate::show::plot::{Bar, Kind, Panel, Series, Sheet};
 use crate::simulate::figures::J_PER_KWH;
-use crate::simulate::mode::Replayed;
 use crate::simulate::replay::Replay;
 use crate::simulate::run::{Extremes, TraceRow};
 
@@ -37,7 +36,7 @@ pub fn of(replay: &Replay) -> Sheet {
     };
 
     let mut panels = Vec::new();
-    if summary.mode != Replayed::Battery {
+    if summary.mode.drives() {
         let (name, kind) = match replay.trip {
             Some(_) => ("measured", Kind::Measured),
             None => ("reference", Kind::Reference),

@@ -34,4 +34,14 @@ pub enum Replayed {
     Trip,
     /// The battery alone on a trip's measured current.
     Battery,
+    /// The battery alone on a profile of current or power.
+    Profile,
+}
+
+impl Replayed {
+    /// Whether a vehicle moves.
+    #[must_use]
+    pub const fn drives(self) -> bool {
+        matches!(self, Self::Cycle | Self::Trip)
+    }
 }

@@ -4,13 +4,14 @@ use anyhow::{Context, bail};
 
 use crate::read::cycle::Cycle;
 use crate::read::input::Drive;
+use crate::read::profile::{Demand, Profile};
 use crate::read::trip::Trip;
 use crate::read::vehicle::Vehicle;
 use crate::simulate::comparison::compare;
 use crate::simulate::mode::{Mode, Replayed};
 use crate::simulate::progress::Progress;
 use crate::simulate::route::Route;
-use crate::simulate::run::{self, Load, Run};
+use crate::simulate::run::{self, Load, Of, Run};
 use crate::simulate::summary::{StepError, Summary};
 
 /// The vehicle where none is named.
@@ -57,7 +58,8 @@ pub fn replay(
     options: Options,
     progress: &dyn Progress,
 ) -> anyhow::Result<Replay> {
-    if options.mode == Mode::Battery || options.dt_s <= DEFAULT_STEP_S {
+    let alone = options.mode == Mode::Battery || matches!(drive, Drive::Profile(_));
+    if alone || options.dt_s <= DEFAULT_STEP_S {
         return replayed(vehicle, drive, options, progress);
     }
     let mut replay = replayed(vehicle, drive.clone(), options, progress)?;
@@ -114,6 +116,7 @@ fn replayed(
             "`{}` is a driving cycle and has no measured current: the battery alone needs a trip",
             cycle.name
         ),
+        (Drive::Profile(profile), _) => of_profile(vehicle, &profile, options, progress),
         (Drive::Trip(trip), _) => of_trip(vehicle.clone(), *trip, options, progress),
     }
 }
@@ -132,6 +135,60 @@ fn of_cycle(
     let mut summary = Summary::new(name, &cycle.name, Replayed::Cycle, &run, duration_s);
     summary.notes.extend(route.cut());
     summary.notes.extend(cycle.notes.iter().cloned());
+    Ok(Replay { summary, run, trip: None })
+}
+
+/// Trace rows of a profile are no further apart than this \[s\], but for points hours apart.
+const PROFILE_ROW_S: f32 = 1.0;
+
+/// The battery alone, from the vehicle's initial state of charge.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the plant computes in f32; counts of rows saturate"
+)]
+fn of_profile(
+    vehicle: &Vehicle,
+    profile: &Profile,
+    options: Options,
+    progress: &dyn Progress,
+) -> anyhow::Result<Replay> {
+    let (of, demand) = match &profile.demand {
+        Demand::Current(demand) => (Of::Current, demand),
+        Demand::Power(demand) => (Of::Power, demand),
+    };
+    let mut load: Vec<Load> = Vec::new();
+    for ((time_s, demand), temperature_c) in
+        profile.time_s.iter().zip(demand).zip(&profile.temperature_c)
+    {
+        let point = Load {
+            time_s: *time_s as f32,
+            demand: *demand as f32,
+            temperature_c: *temperature_c as f32,
+        };
+        if let Some(before) = load.last().copied() {
+            let rows = ((point.time_s - before.time_s) / PROFILE_ROW_S).ceil() as u16;
+            load.extend((1..rows).map(|row| {
+                let along = f32::from(row) / f32::from(rows);
+                Load {
+                    time_s: before.time_s + along * (point.time_s - before.time_s),
+                    demand: before.demand + along * (point.demand - before.demand),
+                    ..before
+                }
+            }));
+        }
+        load.push(point);
+    }
+    let run = run::battery(vehicle, (&load, of), vehicle.initial_soc, options.dt_s, progress)?;
+    let duration_s = profile.time_s.last().copied().unwrap_or_default();
+    check_stepped(&run, &profile.name, duration_s)?;
+    let (name, input) = (&vehicle.name, &profile.name);
+    let mut summary = Summary::new(name, input, Replayed::Profile, &run, duration_s);
+    summary.notes.push(format!("starts at a state of charge of {} %", 100.0 * vehicle.initial_soc));
+    if profile.temperature_c.iter().all(|c| c.is_nan()) {
+        summary.notes.push("no battery temperature: 25 °C taken".to_owned());
+    }
+    summary.notes.extend(profile.notes.iter().cloned());
     Ok(Replay { summary, run, trip: None })
 }
 
@@ -170,11 +227,12 @@ pub fn of_trip(
             let load: Vec<_> = (route.rows.iter().zip(&trip.battery_a))
                 .map(|(row, a)| Load {
                     time_s: row.time_s as f32,
-                    current_a: *a as f32,
+                    demand: *a as f32,
                     temperature_c: row.battery_c,
                 })
                 .collect();
-            (run::battery(&vehicle, &load, soc as f32, dt_s, progress)?, Replayed::Battery)
+            let run = run::battery(&vehicle, (&load, Of::Current), soc as f32, dt_s, progress)?;
+            (run, Replayed::Battery)
         }
     };
     let duration_s = route.duration_s();

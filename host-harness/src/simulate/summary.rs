@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::simulate::comparison::Deviation;
 use crate::simulate::figures::{Figures, J_PER_KWH};
 use crate::simulate::mode::Replayed;
-use crate::simulate::run::Run;
+use crate::simulate::run::{Run, Totals};
 
 /// Above this share of the throughput the step's own dissipation is worth a warning.
 pub const NUMERICAL_WARNING: f64 = 0.01;
@@ -40,7 +40,7 @@ pub struct Summary {
     /// Largest speed error over every step \[m/s\]; absent in battery mode.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_error_max_m_s: Option<f64>,
-    /// Steps in which a battery limit acted.
+    /// Steps in which a limit acted.
     pub limited_steps: u64,
     /// How hot the drives became; of a vehicle that has temperatures.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -104,10 +104,10 @@ impl Summary {
         let (first, last) = (run.trace.first(), run.trace.last());
         let totals = &run.totals;
         let pair = |(a, b): (f32, f32)| (f64::from(a), f64::from(b));
-        let drives = mode != Replayed::Battery;
+        let drives = mode.drives();
         let distance_km = last.map_or(0.0, |r| f64::from(r.distance_m) / 1000.0);
         #[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
-        let (steps, limited) = (run.steps as f64, totals.limited_steps as f64);
+        let steps = run.steps as f64;
         let mut notes = Vec::new();
         if let Some(share) = run.energy.as_ref().and_then(numerical_share)
             && share > NUMERICAL_WARNING
@@ -117,8 +117,12 @@ impl Summary {
                 100.0 * share
             ));
         }
-        if totals.limited_steps > 0 {
-            notes.push(format!("a battery limit acted during {:.1} s", run.dt_s * limited));
+        notes.extend(limits(run));
+        if totals.limit_exceeded_a > EXCEEDED_A {
+            let by_a = totals.limit_exceeded_a;
+            notes.push(format!(
+                "the battery's limit was exceeded all the same, by up to {by_a:.1} A"
+            ));
         }
         if let Some(worst) = totals.temperatures
             && worst.left < 1.0
@@ -174,6 +178,31 @@ impl Summary {
     }
 }
 
+/// Which limits acted, and for how long, in words.
+#[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
+fn limits(run: &Run) -> Vec<String> {
+    let Totals {
+        limited_steps: any,
+        discharge_limited_steps: out,
+        charge_limited_steps: back,
+        current_limited_steps: current,
+        ..
+    } = run.totals;
+    let duty = any.saturating_sub(out + back + current);
+    [
+        (out, "the battery's limit of discharging"),
+        (back, "the battery's limit of charging"),
+        (current, "the current limit of a drive"),
+        (duty, "the limit of the duty"),
+    ]
+    .into_iter()
+    .filter(|(steps, _)| *steps > 0)
+    .map(|(steps, limit)| format!("{limit} acted during {:.1} s", run.dt_s * steps as f64))
+    .collect()
+}
+
+/// A limit that is exceeded by less is held, but for rounding \[A\].
+const EXCEEDED_A: f32 = 0.05;
 /// Speeds that differ by more for longer than a moment were not followed \[m/s\], \[s\].
 const FOLLOWED_M_S: f64 = 1.0;
 const FOLLOWED_S: f64 = 2.0;
@@ -226,7 +255,7 @@ fn numerical_share(report: &EnergyReport) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::run::{Totals, TraceRow};
+    use crate::simulate::run::TraceRow;
 
     fn run(rows: impl Iterator<Item = TraceRow>) -> Run {
         let totals = Totals { battery_energy_j: 10.0, ..Totals::default() };
@@ -257,5 +286,32 @@ mod tests {
         let mut sound = run((0..100).map(sound));
         sound.totals.battery_energy_j = 1e6;
         assert!(summary(&sound).notes.is_empty());
+    }
+
+    #[test]
+    fn says_which_limit_acted_and_whether_it_was_exceeded() {
+        let mut run = run(std::iter::once(TraceRow { soc: 0.5, ..TraceRow::default() }));
+        run.totals = Totals {
+            limited_steps: 100,
+            discharge_limited_steps: 40,
+            charge_limited_steps: 30,
+            current_limited_steps: 10,
+            limit_exceeded_a: 0.04,
+            ..run.totals
+        };
+        let notes = |run: &Run| Summary::new("v", "i", Replayed::Battery, run, 100.0).notes;
+        assert_eq!(
+            notes(&run)[..4],
+            [
+                "the battery's limit of discharging acted during 40.0 s",
+                "the battery's limit of charging acted during 30.0 s",
+                "the current limit of a drive acted during 10.0 s",
+                "the limit of the duty acted during 20.0 s",
+            ]
+        );
+        let exceeded = "the battery's limit was exceeded all the same, by up to 6.3 A".to_owned();
+        assert!(!notes(&run).contains(&exceeded));
+        run.totals.limit_exceeded_a = 6.3;
+        assert!(notes(&run).contains(&exceeded));
     }
 }

@@ -160,7 +160,7 @@ fn demand(scenario: &Scenario) -> anyhow::Result<(Demand, f64)> {
     let factor = f64::from(capacity_ah / vehicle.powertrain.battery.capacity_ah());
     let (time_s, current_a): (Vec<f64>, Vec<f64>) = match drive {
         input::Drive::Trip(trip) => (trip.time_s.clone(), trip.battery_a.clone()),
-        input::Drive::Cycle(_) => {
+        input::Drive::Cycle(_) | input::Drive::Profile(_) => {
             let options =
                 Options { mode: Mode::Vehicle, dt_s: replay::DEFAULT_STEP_S, ledger: false };
             let run = replay::replay(vehicle, drive.clone(), options, &Unseen)?.run;

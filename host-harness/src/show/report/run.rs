@@ -30,6 +30,7 @@ pub fn replay(replay: &Replay, parameters: &Parameters<'_>) -> anyhow::Result<Ve
             "The whole vehicle on the measured speed, height and auxiliary power of a trip"
         }
         Replayed::Battery => "The battery alone on the measured current of a trip",
+        Replayed::Profile => "The battery alone on a profile of current or power",
     };
     let mut lead = vec![format!("{what}, in {} steps of {} ms.", s.steps, 1000.0 * s.dt_s)];
     lead.extend(sheet.subtitle.iter().cloned());

@@ -13,7 +13,7 @@ use plant_core::powertrain::ledger::EnergyReport;
 
 use crate::simulate::progress::Progress;
 
-pub use battery::{Load, battery};
+pub use battery::{Load, Of, battery};
 pub use vehicle::vehicle;
 
 /// Progress is told once in so many rows.
@@ -105,8 +105,16 @@ pub struct Totals {
     pub battery_voltage_min_v: f32,
     /// Net energy at the battery's terminals \[J\].
     pub battery_energy_j: f64,
-    /// Steps in which a battery limit changed the duty or refused current.
+    /// Steps in which a limit changed the duty or refused current.
     pub limited_steps: u64,
+    /// Of those, by the limit of discharging.
+    pub discharge_limited_steps: u64,
+    /// Of those, by the limit of charging.
+    pub charge_limited_steps: u64,
+    /// Of those, by the current limit of a drive.
+    pub current_limited_steps: u64,
+    /// By how much the battery's current was beyond its limit all the same, at most \[A\].
+    pub limit_exceeded_a: f32,
     /// Charge that the battery refused \[C\], without its sign (battery mode).
     pub refused_charge_c: f64,
     /// The highest temperatures of the drives, and the least that they left of a current limit; of a
@@ -124,6 +132,10 @@ impl Default for Totals {
             battery_voltage_min_v: f32::INFINITY,
             battery_energy_j: 0.0,
             limited_steps: 0,
+            discharge_limited_steps: 0,
+            charge_limited_steps: 0,
+            current_limited_steps: 0,
+            limit_exceeded_a: 0.0,
             refused_charge_c: 0.0,
             temperatures: None,
         }
