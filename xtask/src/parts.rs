@@ -33,6 +33,7 @@ pub const PARTS: &[Part] = &[
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
     part("examples", "each example runs and shows what it asserts", crate::examples::examples),
     part("docs", "rustdoc and the book build without a warning", docs),
+    part("live", "the book's live page in a browser: golden bits, keys, times", crate::live::live),
     part("thumb", "what runs on target builds for Cortex-M4F and M0+, with each feature", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
     Part {
@@ -146,7 +147,7 @@ fn setup() -> Result<()> {
     for component in ["rustfmt", "clippy"] {
         rustup("component", component)?;
     }
-    for target in TARGETS {
+    for target in TARGETS.into_iter().chain([crate::live::TARGET]) {
         rustup("target", target)?;
     }
     crate::book::setup()?;

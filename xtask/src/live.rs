@@ -1,0 +1,269 @@
+//! The live page of the book: what it loads is built and laid beside it, and a browser looks at it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Map, Value, json};
+
+use crate::browser::Browser;
+use crate::firmware::root;
+use crate::metadata::Metadata;
+use crate::shell::{cargo, program, run};
+
+/// What the plant is compiled for.
+pub const TARGET: &str = "wasm32-unknown-unknown";
+const GOLDEN: &str = "firmware-example/golden.toml";
+/// What lies beside the page as it is.
+const FILES: [&str; 6] = [
+    "web/page/live.js",
+    "web/page/live.css",
+    "host-harness/src/show/report/plots.js",
+    "host-harness/src/show/report/plots.css",
+    "host-harness/src/show/report/uplot/uPlot.iife.min.js",
+    "host-harness/src/show/report/uplot/uPlot.min.css",
+];
+
+/// All that the page loads, at most \[bytes\].
+const MOST_BYTES: u64 = 1_000_000;
+/// A page is redrawn after so long at most \[ms\], in steps of 10 ms and of 1 ms; the best of some
+/// times: a machine that builds something else meanwhile is no fault of the page.
+const MOST_MS: [f64; 2] = [200.0, 1000.0];
+const TIMES: u32 = 5;
+/// A phone held upright.
+const NARROW: u32 = 390;
+
+/// Compiles the plant and lays what the page loads into the book.
+pub fn place(book: &Path) -> Result<()> {
+    run(cargo()
+        .args(["build", "-p", "voltstep-web", "--lib", "--profile", "web"])
+        .args(["--target", TARGET]))?;
+    let built = Metadata::load()?.target_directory()?.join(TARGET).join("web/voltstep_web.wasm");
+    let packed = program("gzip").args(["-9", "-n", "-c"]).arg(&built).output().context("gzip")?;
+    ensure!(packed.status.success(), "gzip ended with {}", packed.status);
+    let hashes: Map<String, Value> =
+        golden()?.into_iter().map(|(name, hash)| (name, hash.into())).collect();
+    // A page that was opened as a file may fetch nothing, but it may load a script.
+    let plant = json!({ "golden": hashes, "wasm": BASE64_STANDARD.encode(packed.stdout) });
+    let folder = book.join("live");
+    fs::create_dir_all(&folder)?;
+    fs::write(folder.join("plant.js"), format!("const voltstepPlant = {plant};\n"))?;
+    for file in FILES.map(Path::new) {
+        let name = file.file_name().context("a file")?;
+        fs::copy(root().join(file), folder.join(name))
+            .with_context(|| file.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// The vehicles with golden bits, and their hashes.
+fn golden() -> Result<Vec<(String, String)>> {
+    let text = fs::read_to_string(root().join(GOLDEN)).context(GOLDEN)?;
+    let table: toml::Table = toml::from_str(&text).context(GOLDEN)?;
+    let hash = |section: &toml::Value| Some(section.get("hash")?.as_str()?.to_owned());
+    Ok(table.iter().filter_map(|(name, section)| Some((name.clone(), hash(section)?))).collect())
+}
+
+/// Builds the book and looks at the page in a browser.
+pub fn live() -> Result<()> {
+    crate::book::build()?;
+    let target = Metadata::load()?.target_directory()?;
+    let out = target.join("xtask-live");
+    if out.exists() {
+        fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
+    }
+    fs::create_dir_all(&out)?;
+    let browser = Browser::start(&out.join("profile"))?;
+    let mut page = Page { browser, file: target.join("book/live.html"), out };
+    page.open(1280, false)?;
+    page.has_golden_bits()?;
+    page.hears_keys()?;
+    page.is_quick()?;
+    page.follows_haste()?;
+    page.is_small()?;
+    page.fits()?;
+    let complaints = page.browser.complaints();
+    ensure!(complaints.is_empty(), "the page complains: {complaints:?}");
+    Ok(())
+}
+
+/// The page in a browser.
+struct Page {
+    browser: Browser,
+    file: PathBuf,
+    out: PathBuf,
+}
+
+impl Page {
+    /// Opens it and waits for its first run.
+    fn open(&mut self, width: u32, dark: bool) -> Result<()> {
+        self.browser.screen(width, 900, dark)?;
+        self.browser.open(&self.file)?;
+        self.browser.wait("document.getElementById('live-plant').dataset.shown === '1 1'")
+    }
+
+    /// Does something that changes the run, and waits until that is drawn in steps of 1 ms.
+    fn change(&mut self, act: impl FnOnce(&mut Browser) -> Result<()>) -> Result<()> {
+        let before = self.browser.text("document.getElementById('live-plant').dataset.shown")?;
+        act(&mut self.browser)?;
+        self.browser.wait(&format!(
+            "(shown => shown !== {before:?} && shown.endsWith(' 1'))(document.getElementById('live-plant').dataset.shown)"
+        ))
+    }
+
+    /// Sets a control as a hand would.
+    fn set(&mut self, id: &str, value: &str) -> Result<()> {
+        self.change(|browser| {
+            browser.ask(&format!(
+                "{{ const control = document.getElementById({id:?}); control.value = {value:?};
+                   control.dispatchEvent(new Event('input', {{ bubbles: true }})); }}"
+            ))?;
+            Ok(())
+        })
+    }
+
+    /// A figure by its name, as a number.
+    fn figure(&mut self, name: &str) -> Result<f64> {
+        let text = self.browser.text(&format!(
+            "[...document.querySelectorAll('#figures dt')].find(dt => dt.textContent === {name:?}).nextSibling.textContent"
+        ))?;
+        let number = text.split(' ').next().unwrap_or_default().replace('−', "-");
+        number.parse().with_context(|| format!("{name}: {text}"))
+    }
+
+    /// Each vehicle comes to the bits of the firmware, and a changed one does not.
+    fn has_golden_bits(&mut self) -> Result<()> {
+        let names =
+            self.browser.ask("[...document.getElementById('car').options].map(o => o.text)")?;
+        let names: Vec<String> = serde_json::from_value(names)?;
+        let golden = golden()?;
+        ensure!(names.len() == golden.len(), "{names:?} are not the vehicles of {GOLDEN}");
+        for (name, hash) in golden {
+            let number =
+                names.iter().position(|found| *found == name).with_context(|| name.clone())?;
+            // The first is shown already: from another one back to it.
+            self.set("car", &((number + 1) % names.len()).to_string())?;
+            self.set("car", &number.to_string())?;
+            let shown = self.browser.text("document.getElementById('hash').textContent")?;
+            ensure!(shown == hash, "{name}: {shown} on the page, {hash} in {GOLDEN}");
+            let bits = self.browser.text("document.getElementById('live-plant').dataset.bits")?;
+            ensure!(bits == "same", "{name}: the page calls its bits {bits:?}");
+            println!("{name}: {shown}, the bits of the microcontroller");
+        }
+        self.set("car", "0")
+    }
+
+    /// Keys reach every control and move it, and turn no page of the book.
+    fn hears_keys(&mut self) -> Result<()> {
+        let hash = self.browser.text("document.getElementById('hash').textContent")?;
+        let before = self.figure("Energy at the battery")?;
+        self.browser.ask("document.getElementById('car').focus()")?;
+        for wanted in ["cycle", "mass"] {
+            self.browser.press("Tab", 9)?;
+            let focused = self
+                .browser
+                .text("document.activeElement.id || document.activeElement.outerHTML")?;
+            ensure!(focused == wanted, "Tab leads to {focused:?}, not to {wanted}");
+        }
+        for _ in 0..10 {
+            self.change(|browser| browser.press("ArrowRight", 39))?;
+        }
+        let mass = self.browser.text("document.getElementById('mass').value")?;
+        ensure!(mass == "110", "ten keys make {mass} % of the mass");
+        let after = self.figure("Energy at the battery")?;
+        ensure!(after > 1.01 * before, "more mass: {before} kWh become {after}");
+        ensure!(
+            hash != self.browser.text("document.getElementById('hash').textContent")?,
+            "the same bits"
+        );
+        ensure!(
+            self.browser.text("document.getElementById('live-plant').dataset.bits")?.is_empty(),
+            "compared"
+        );
+        self.browser.ask("document.getElementById('speed').focus()")?;
+        let whole = self.browser.text("document.getElementById('view').textContent")?;
+        self.browser.press("+", 107)?;
+        let zoomed = self.browser.text("document.getElementById('view').textContent")?;
+        self.browser.press("ArrowRight", 39)?;
+        let moved = self.browser.text("document.getElementById('view').textContent")?;
+        ensure!(whole != zoomed && zoomed != moved, "{whole}, {zoomed}, {moved}");
+        self.browser.press("0", 48)?;
+        let title = self.browser.text("document.title")?;
+        ensure!(title.starts_with("Live"), "the keys have turned to {title}");
+        println!("keys: 10 % more mass, {before} kWh become {after}; {whole} becomes {zoomed}");
+        Ok(())
+    }
+
+    /// The page says how long it takes to redraw, and that is short.
+    fn is_quick(&mut self) -> Result<()> {
+        let mut best = [f64::INFINITY; 2];
+        for k in 0..TIMES {
+            self.set("mass", &(100 + k).to_string())?;
+            for (best, which) in best.iter_mut().zip(["coarseMs", "fineMs"]) {
+                let ms = self
+                    .browser
+                    .text(&format!("document.getElementById('live-plant').dataset.{which}"))?;
+                *best = best.min(ms.parse().with_context(|| format!("{which}: {ms:?}"))?);
+            }
+        }
+        println!("redrawn after {} ms in steps of 10 ms, {} ms in steps of 1 ms", best[0], best[1]);
+        ensure!(best[0] > 0.0 && best[0] < best[1], "no times");
+        ensure!(best[0] < MOST_MS[0] && best[1] < MOST_MS[1], "more than {MOST_MS:?} ms");
+        Ok(())
+    }
+
+    /// A slider that moves faster than the page can follow ends where it ends.
+    fn follows_haste(&mut self) -> Result<()> {
+        self.set("mass", "105")?;
+        let hash = self.browser.text("document.getElementById('hash').textContent")?;
+        let shown = self.browser.text("document.getElementById('live-plant').dataset.shown")?;
+        let asked: u32 = shown.split(' ').next().unwrap_or_default().parse()?;
+        self.browser.ask(
+            "(async () => { const mass = document.getElementById('mass');
+               for (let percent = 76; percent <= 105; percent++) {
+                 mass.value = percent;
+                 mass.dispatchEvent(new Event('input', { bubbles: true }));
+                 await new Promise(requestAnimationFrame);
+               } })()",
+        )?;
+        let last = asked + 30;
+        self.browser
+            .wait(&format!("document.getElementById('live-plant').dataset.shown === '{last} 1'"))?;
+        let again = self.browser.text("document.getElementById('hash').textContent")?;
+        ensure!(again == hash, "in haste {again}, else {hash}");
+        Ok(())
+    }
+
+    /// All files that the page loads, itself with them.
+    fn is_small(&self) -> Result<()> {
+        let loaded = self.browser.loaded();
+        let mut bytes = 0;
+        for file in loaded.iter().filter_map(|address| address.strip_prefix("file://")) {
+            bytes += fs::metadata(file).context(file.to_owned())?.len();
+        }
+        println!("{} files, {bytes} bytes", loaded.len());
+        ensure!(loaded.iter().any(|name| name.ends_with("plant.js")), "no plant among {loaded:?}");
+        ensure!(bytes < MOST_BYTES, "the page loads {bytes} bytes, more than {MOST_BYTES}");
+        Ok(())
+    }
+
+    /// Wide or narrow, light or dark: nothing sticks out, and the plots take the theme's colours.
+    fn fits(&mut self) -> Result<()> {
+        let mut colours = Vec::new();
+        for (width, dark) in [(1280, false), (1280, true), (NARROW, false), (NARROW, true)] {
+            self.open(width, dark)?;
+            let wide = self.browser.ask("document.documentElement.scrollWidth")?;
+            ensure!(wide == width, "{wide} pixels on a screen of {width}");
+            let style =
+                "getComputedStyle(document.documentElement).getPropertyValue('--simulated-0')";
+            colours.push(self.browser.text(style)?);
+            let scheme = if dark { "dark" } else { "light" };
+            self.browser.picture(&self.out.join(format!("{width}-{scheme}.png")))?;
+        }
+        ensure!(colours[0] != colours[1] && colours[..2] == colours[2..], "colours: {colours:?}");
+        println!("pictures of it lie in {}", self.out.display());
+        Ok(())
+    }
+}
