@@ -1,30 +1,13 @@
-//! The live page of the book: what it loads is built and laid beside it, and a browser looks at it.
+//! The live page of the book, in a browser: golden bits, keys, times, size, screens.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
-use serde_json::{Map, Value, json};
 
 use crate::browser::Browser;
-use crate::firmware::root;
 use crate::metadata::Metadata;
-use crate::shell::{cargo, program, run};
-
-/// What the plant is compiled for.
-pub const TARGET: &str = "wasm32-unknown-unknown";
-const GOLDEN: &str = "firmware-example/golden.toml";
-/// What lies beside the page as it is.
-const FILES: [&str; 6] = [
-    "web/page/live.js",
-    "web/page/live.css",
-    "host-harness/src/show/report/plots.js",
-    "host-harness/src/show/report/plots.css",
-    "host-harness/src/show/report/uplot/uPlot.iife.min.js",
-    "host-harness/src/show/report/uplot/uPlot.min.css",
-];
+use crate::web::{GOLDEN, golden};
 
 /// All that the page loads, at most \[bytes\].
 const MOST_BYTES: u64 = 1_000_000;
@@ -34,37 +17,6 @@ const MOST_MS: [f64; 2] = [200.0, 1000.0];
 const TIMES: u32 = 5;
 /// A phone held upright.
 const NARROW: u32 = 390;
-
-/// Compiles the plant and lays what the page loads into the book.
-pub fn place(book: &Path) -> Result<()> {
-    run(cargo()
-        .args(["build", "-p", "voltstep-web", "--lib", "--profile", "web"])
-        .args(["--target", TARGET]))?;
-    let built = Metadata::load()?.target_directory()?.join(TARGET).join("web/voltstep_web.wasm");
-    let packed = program("gzip").args(["-9", "-n", "-c"]).arg(&built).output().context("gzip")?;
-    ensure!(packed.status.success(), "gzip ended with {}", packed.status);
-    let hashes: Map<String, Value> =
-        golden()?.into_iter().map(|(name, hash)| (name, hash.into())).collect();
-    // A page that was opened as a file may fetch nothing, but it may load a script.
-    let plant = json!({ "golden": hashes, "wasm": BASE64_STANDARD.encode(packed.stdout) });
-    let folder = book.join("live");
-    fs::create_dir_all(&folder)?;
-    fs::write(folder.join("plant.js"), format!("const voltstepPlant = {plant};\n"))?;
-    for file in FILES.map(Path::new) {
-        let name = file.file_name().context("a file")?;
-        fs::copy(root().join(file), folder.join(name))
-            .with_context(|| file.display().to_string())?;
-    }
-    Ok(())
-}
-
-/// The vehicles with golden bits, and their hashes.
-fn golden() -> Result<Vec<(String, String)>> {
-    let text = fs::read_to_string(root().join(GOLDEN)).context(GOLDEN)?;
-    let table: toml::Table = toml::from_str(&text).context(GOLDEN)?;
-    let hash = |section: &toml::Value| Some(section.get("hash")?.as_str()?.to_owned());
-    Ok(table.iter().filter_map(|(name, section)| Some((name.clone(), hash(section)?))).collect())
-}
 
 /// Builds the book and looks at the page in a browser.
 pub fn live() -> Result<()> {

@@ -34,6 +34,7 @@ mod qemu;
 mod report;
 
 mod shell;
+mod web;
 
 use std::process::ExitCode;
 use std::time::Instant;

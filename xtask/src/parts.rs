@@ -147,7 +147,7 @@ fn setup() -> Result<()> {
     for component in ["rustfmt", "clippy"] {
         rustup("component", component)?;
     }
-    for target in TARGETS.into_iter().chain([crate::live::TARGET]) {
+    for target in TARGETS.into_iter().chain([crate::web::TARGET]) {
         rustup("target", target)?;
     }
     crate::book::setup()?;
