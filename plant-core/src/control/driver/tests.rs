@@ -4,6 +4,7 @@ extern crate std;
 
 mod torque;
 
+use super::torque::STANDSTILL_M_S;
 use super::*;
 use crate::num::min;
 use crate::powertrain::{Limited, Powertrain, PowertrainInput, PowertrainOutput};
