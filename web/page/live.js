@@ -201,8 +201,8 @@
       Consumption: km > 1e-3 ? `${number(1000 * kwh / km, 1)} Wh/km` : "–",
       "SOC at the end": `${number(100 * result.soc, 2)} %`,
       Distance: `${number(km, 3)} km`,
-      "Step-size error, energy": error ? `${number(100 * error.energy_rel, 3)} %` : "…",
-      "Step-size error, speed": error ? `${number(error.speed_rms_m_s * 1000, 2)} mm/s RMS` : "…",
+      "Step error, energy": error ? `${number(100 * error.energy_rel, 3)} %` : "…",
+      "Step error, speed": error ? `${number(error.speed_rms_m_s * 1000, 2)} mm/s RMS` : "…",
     };
     byId("figures").replaceChildren(...Object.entries(entries).flatMap(([name, value]) => [made("dt", name), made("dd", value)]));
     byId("notes").textContent = result.limited_s > 0 ? `A limit acted during ${number(result.limited_s, 1)} s.` : "";

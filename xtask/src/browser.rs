@@ -172,10 +172,9 @@ impl Browser {
         Ok(())
     }
 
-    /// The size of the screen, and whether it is dark.
-    pub fn screen(&mut self, width: u32, height: u32, dark: bool) -> Result<()> {
-        let size =
-            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+    /// The size of the screen, how many pixels of a picture one of it has, and whether it is dark.
+    pub fn screen(&mut self, width: u32, height: u32, scale: f64, dark: bool) -> Result<()> {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": scale, "mobile": false });
         self.order("Emulation.setDeviceMetricsOverride", size)?;
         let scheme = if dark { "dark" } else { "light" };
         let media = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
@@ -183,9 +182,9 @@ impl Browser {
         Ok(())
     }
 
-    /// What the page looks like from top to bottom, as a PNG.
-    pub fn picture(&mut self, file: &Path) -> Result<()> {
-        let params = json!({ "format": "png", "captureBeyondViewport": true });
+    /// What the page looks like as a PNG: from top to bottom, or as much as the screen holds.
+    pub fn picture(&mut self, file: &Path, whole: bool) -> Result<()> {
+        let params = json!({ "format": "png", "captureBeyondViewport": whole });
         let answer = self.order("Page.captureScreenshot", params)?;
         let bytes = BASE64_STANDARD.decode(answer["data"].as_str().context("no picture")?)?;
         std::fs::write(file, bytes).with_context(|| file.display().to_string())

@@ -41,6 +41,9 @@ pub fn live() -> Result<()> {
     Ok(())
 }
 
+/// The first run is drawn in steps of 1 ms.
+pub const FIRST_SHOWN: &str = "document.getElementById('live-plant')?.dataset.shown === '1 1'";
+
 /// The page in a browser.
 struct Page {
     browser: Browser,
@@ -51,9 +54,9 @@ struct Page {
 impl Page {
     /// Opens it and waits for its first run.
     fn open(&mut self, width: u32, dark: bool) -> Result<()> {
-        self.browser.screen(width, 900, dark)?;
+        self.browser.screen(width, 900, 1.0, dark)?;
         self.browser.open(&self.file)?;
-        self.browser.wait("document.getElementById('live-plant').dataset.shown === '1 1'")
+        self.browser.wait(FIRST_SHOWN)
     }
 
     /// Does something that changes the run, and waits until that is drawn in steps of 1 ms.
@@ -216,7 +219,7 @@ impl Page {
                 "getComputedStyle(document.documentElement).getPropertyValue('--simulated-0')";
             colours.push(self.browser.text(style)?);
             let scheme = if dark { "dark" } else { "light" };
-            self.browser.picture(&self.out.join(format!("{width}-{scheme}.png")))?;
+            self.browser.picture(&self.out.join(format!("{width}-{scheme}.png")), true)?;
         }
         ensure!(colours[0] != colours[1] && colours[..2] == colours[2..], "colours: {colours:?}");
         println!("pictures of it lie in {}", self.out.display());

@@ -85,7 +85,11 @@ pub const LONG: &[Part] = &[
     ),
     part("presets", "writes the batteries of plant-core from their files", generate::presets),
     part("trip", "writes the synthetic trip and its true parameters", generate::trip),
-    part("picture", "draws the report of a trip for the book", crate::picture::picture),
+    part(
+        "picture",
+        "draws the report of a trip and the live page for the documents",
+        crate::picture::picture,
+    ),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
