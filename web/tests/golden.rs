@@ -45,6 +45,19 @@ fn every_vehicle_has_the_bits_of_the_microcontroller() {
 }
 
 #[test]
+fn every_vehicle_drives_every_cycle_in_long_steps() {
+    for car in CARS {
+        for (place, cycle) in CYCLES.iter().enumerate() {
+            let run = whole(car, preset(car), place, 1e-2, 600);
+            let name = (car.sheet().name, cycle.name);
+            assert_eq!(run.rows().len() / COLUMNS, cycle.points.len() * 10 - 9, "{name:?}");
+            assert!(number(&*run, "residual_rel").abs() < 1e-5, "{name:?}: {}", run.result());
+            assert!(number(&*run, "distance_m") > 5000.0, "{name:?}: {}", run.result());
+        }
+    }
+}
+
+#[test]
 fn a_run_in_pieces_is_the_run_in_one() {
     let [one, pieces] = [u32::MAX, 7].map(|rows| whole(CARS[0], preset(CARS[0]), 1, 1e-2, rows));
     assert_eq!((one.result(), one.rows()), (pieces.result(), pieces.rows()));

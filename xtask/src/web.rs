@@ -29,8 +29,18 @@ const FILES: [&str; 7] = [
 
 /// Compiles the plant and lays what the page loads into the book.
 pub fn place(book: &Path) -> Result<()> {
+    // A library for the browser only here: with the symbols of `defmt` a PC cannot link one.
     run(cargo()
-        .args(["build", "-p", "voltstep-web", "--lib", "--profile", "web"])
+        .args([
+            "rustc",
+            "--crate-type",
+            "cdylib",
+            "-p",
+            "voltstep-web",
+            "--lib",
+            "--profile",
+            "web",
+        ])
         .args(["--target", TARGET]))?;
     let built = Metadata::load()?.target_directory()?.join(TARGET).join("web/voltstep_web.wasm");
     let packed = program("gzip").args(["-9", "-n", "-c"]).arg(&built).output().context("gzip")?;
