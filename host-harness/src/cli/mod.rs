@@ -12,6 +12,7 @@ use clap::{Parser, Subcommand};
 use crate::read::error::on_one_line;
 
 mod bms;
+mod check;
 mod circuit;
 mod endurance;
 mod experiment;
@@ -47,6 +48,9 @@ enum Command {
     /// against what the models give; exit code 1 where a check fails. Or, with --trips or --cells,
     /// compare the models with every measurement in a folder
     Validate(validate::Arguments),
+    /// Say what files are: columns and their units, sampling, gaps, ranges, what looks wrong, and what can
+    /// be done with them; exit code 1 where one cannot be trusted as it is
+    Check(check::Arguments),
     /// Run an experiment of the reference system, and write its figures, trace and plots; exit code
     /// 1 where a figure is off. Without a name: list them
     Experiment(experiment::Arguments),
@@ -106,6 +110,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
     match command {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Validate(arguments) => validate::run(arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Experiment(arguments) => experiment::run(arguments),
         Command::Circuit(arguments) => circuit::run(arguments),
         Command::Soc(arguments) => soc::run(arguments),

@@ -95,7 +95,7 @@ impl CellRecord {
 }
 
 /// The times between two samples \[s\], the shortest first.
-fn steps(time_s: &[f64]) -> Vec<f64> {
+pub(crate) fn steps(time_s: &[f64]) -> Vec<f64> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     steps.sort_unstable_by(f64::total_cmp);
     steps
@@ -134,8 +134,8 @@ pub(crate) fn delayed(time_s: &[f64], values: &[f64], delay_s: f64) -> Vec<f64> 
 const ASSUMED_C: f64 = 25.0;
 
 /// What a cell's test may have.
-pub(crate) const COLUMNS: [Column; 7] = {
-    use Dimension::{Charge, Current, Temperature, Time, Voltage};
+pub(crate) const COLUMNS: [Column; 8] = {
+    use Dimension::{Charge, Current, Direction, Temperature, Time, Voltage};
     use Needed::{Nothing, Samples};
     let degrees = (-100.0, 200.0);
     let counted = (-1e5, 1e5);
@@ -188,6 +188,7 @@ pub(crate) const COLUMNS: [Column; 7] = {
             Nothing,
             degrees,
         ),
+        Column::new("state", &["state", "md", "mode"], Direction, "", Nothing, (-1.0, 1.0)),
     ]
 };
 
@@ -195,7 +196,8 @@ pub(crate) const COLUMNS: [Column; 7] = {
 /// of the current from a full cell, without a temperature it is 25 °C: the notes say so.
 ///
 /// Cyclers that call their time `Test Time` (Arbin, the Battery Data Format, cellpy) count
-/// charging positive: their currents are turned around.
+/// charging positive: their currents are turned around. Maccor's have no sign: the column `State` says
+/// which way they flow.
 ///
 /// # Errors
 /// [`InputError`] with line and column: a missing column, fewer than two rows, a row with another
@@ -212,7 +214,16 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
     let (time_s, mut current_a) = (next().unwrap_or_default(), next().unwrap_or_default());
     let voltage_v = next().unwrap_or_default();
     let (discharged, charged, cell, chamber) = (next(), next(), next(), next());
-    if charging_positive {
+    let unsigned = current_a.iter().all(|a| *a >= 0.0);
+    let directions = next().filter(|words| unsigned && words.iter().any(|w| w.abs() == 1.0));
+    if let Some(directions) = directions {
+        for (a, direction) in current_a.iter_mut().zip(directions) {
+            *a *= if direction.is_nan() { 0.0 } else { direction };
+        }
+        notes.push(
+            "the currents have no sign: the column `state` says which way they flow".to_owned(),
+        );
+    } else if charging_positive {
         for a in &mut current_a {
             *a = -*a;
         }
@@ -323,6 +334,21 @@ mod tests {
             assert_eq!(record.current_a, [0.0, 1.0], "{text}");
             assert_eq!(record.discharged_ah, [0.0, 0.5], "{text}");
         }
+    }
+
+    #[test]
+    fn a_state_says_which_way_a_current_without_a_sign_flows() {
+        let text = "Today's Date 11/27/2026\nRec#\tCyc#\tStep\tTestTime\tStepTime\tAmp-hr\tAmps\tVolts\tState\n\
+            1\t0\t1\t0d 00:00:00.00\t0\t0\t0\t4.0\tR\n2\t0\t2\t0d 00:30:00.00\t0\t0.5\t1\t3.9\tD\n\
+            3\t0\t2\t0d 01:00:00.00\t0\t1\t1\t3.8\tD\n4\t0\t3\t0d 23:30:00.00\t0\t0.5\t1\t4.0\tC\n5\t0\t4\t1d 02:00:00.00\t0\t0\t0\t3.95\tS\n";
+        let record = parse("m.txt", text.as_bytes()).unwrap();
+        assert_eq!(record.current_a, [0.0, 1.0, 1.0, -1.0, 0.0]);
+        assert_eq!(record.time_s, [0.0, 1800.0, 3600.0, 84_600.0, 93_600.0]);
+        assert!(record.notes[0].contains("`state`"), "{:?}", record.notes);
+        // Where currents have signs the words say nothing.
+        let signed = text.replace("\t1\t4.0\tC", "\t-1\t4.0\tC");
+        let record = parse("m.txt", signed.as_bytes()).unwrap();
+        assert_eq!(record.current_a, [0.0, -1.0, -1.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -148,11 +148,8 @@ pub fn by_name(name: &str) -> Option<Cycle> {
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Cycle, InputError> {
     let is_header = |header: &[String]| COLUMNS[..2].iter().all(|c| has(c, header));
     let sheet = Sheet::open(file, bytes, is_header)?;
-    let of_distance = !has(&COLUMNS[0], &sheet.header) && has(&DISTANCE, &sheet.header);
-    let mut columns = COLUMNS;
-    if of_distance {
-        columns[0] = DISTANCE;
-    }
+    let columns = columns_of(&sheet.header);
+    let of_distance = columns[0].dimension == Dimension::Length;
     // A speed in small letters says its unit; a bare `Speed` may be anything.
     if let Some(place) = sheet.bind(&columns)?[1].map(|bound| bound.place)
         && is_bare(&sheet.header[place])
@@ -216,6 +213,15 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Cycle, InputError> {
         elevation_m: filled(elevation_m, true),
         notes,
     })
+}
+
+/// The columns of a file with this header: over time, or over distance where it has no time.
+pub(crate) fn columns_of(header: &[String]) -> [Column; 4] {
+    let mut columns = COLUMNS;
+    if !has(&COLUMNS[0], header) && has(&DISTANCE, header) {
+        columns[0] = DISTANCE;
+    }
+    columns
 }
 
 /// A header's name without any unit.

@@ -1,11 +1,12 @@
 //! What can be read: cycles, trips, cell tests, vehicles, batteries; built in or from a file.
 //!
-//! [`recognise`] decides what a file is, [`input`] reads what a command names; each other module is
-//! one kind of file. Whatever is wrong is an [`error`] with file, line and column.
+//! [`recognise`] decides what a file is, [`input`] reads what a command names, [`check`] says what is in
+//! a file; each other module is one kind of file. Whatever is wrong is an [`error`] with file, line and column.
 
 pub mod battery;
 mod builtin;
 pub mod cell;
+pub mod check;
 mod counter;
 pub mod cycle;
 mod document;

@@ -1,11 +1,14 @@
 //! What a file is: the one place that decides it, by what stands at its head.
 
+use serde::Serialize;
+
 use crate::read::error::{self, InputError};
 use crate::read::table::{Sheet, has};
 use crate::read::{cell, cycle, trip};
 
 /// What a file may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FileKind {
     /// A driving cycle: speed over time.
     Cycle,
@@ -17,11 +20,26 @@ pub enum FileKind {
     Vehicle,
     /// A battery's parameters.
     Battery,
+    /// A circuit and how it is run.
+    Circuit,
+    /// A drive or charge of a managed pack, and what goes wrong on it.
+    Scenario,
+    /// What a BMS was given.
+    Recording,
 }
 
 impl FileKind {
     /// Every kind.
-    pub const ALL: [Self; 5] = [Self::Cycle, Self::Trip, Self::Cell, Self::Vehicle, Self::Battery];
+    pub const ALL: [Self; 8] = [
+        Self::Cycle,
+        Self::Trip,
+        Self::Cell,
+        Self::Vehicle,
+        Self::Battery,
+        Self::Circuit,
+        Self::Scenario,
+        Self::Recording,
+    ];
 
     /// In words.
     pub(crate) const fn name(self) -> &'static str {
@@ -31,17 +49,23 @@ impl FileKind {
             Self::Cell => "test of a cell",
             Self::Vehicle => "vehicle",
             Self::Battery => "battery",
+            Self::Circuit => "circuit",
+            Self::Scenario => "scenario of a BMS",
+            Self::Recording => "recording of a BMS",
         }
     }
 
     /// By what it is known.
-    const fn mark(self) -> &'static str {
+    pub(crate) const fn mark(self) -> &'static str {
         match self {
             Self::Cycle => "columns `time_s` or `distance_m`, and `speed_m_s` or `speed_km_h`",
             Self::Trip => "columns `Time [s]`, `Velocity [km/h]`, `Battery Voltage [V]`, …",
             Self::Cell => "columns `time_s`, `current_a`, `voltage_v`, …",
             Self::Vehicle => "TOML with [body]",
             Self::Battery => "TOML with [battery.open_circuit]",
+            Self::Circuit => "TOML with [run]",
+            Self::Scenario => "TOML with [start] and [drive]",
+            Self::Recording => "begins with `VSRC`",
         }
     }
 }
@@ -49,7 +73,7 @@ impl FileKind {
 /// What the file called `file` is, which must be one of `wanted`.
 ///
 /// # Errors
-/// [`InputError`] lists what was looked for: an empty file, one that is none of the five kinds, one
+/// [`InputError`] lists what was looked for: an empty file, one that is none of the kinds, one
 /// that is another kind than wanted.
 pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKind, InputError> {
     let looked_for = || {
@@ -62,6 +86,9 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
         column: Some(1),
         ..InputError::of_file(file, message)
     };
+    if bytes.starts_with(RECORDING) && wanted.contains(&FileKind::Recording) {
+        return Ok(FileKind::Recording);
+    }
     let mut lines = bytes.split(|byte| *byte == b'\n').enumerate();
     let Some((line, first)) = lines.find(|(_, line)| !is_blank(line)) else {
         return Err(at_line(0, format!("empty file: expected {}", looked_for())));
@@ -89,6 +116,11 @@ fn is_blank(line: &[u8]) -> bool {
     matches!(line.trim_ascii().first(), None | Some(b'#'))
 }
 
+/// How a recording begins.
+const RECORDING: &[u8] = b"VSRC";
+/// What a circuit's and a scenario's file has.
+const CIRCUIT_ONLY: &str = "run]";
+const SCENARIO_ONLY: &str = "start]";
 /// What a vehicle's file has and a battery's has not.
 const VEHICLE_ONLY: [&str; 5] = ["body", "wheel", "gearbox", "motor", "initial_soc"];
 
@@ -98,22 +130,27 @@ const VEHICLE_ONLY: [&str; 5] = ["body", "wheel", "gearbox", "motor", "initial_s
 /// # Errors
 /// Text in an encoding that nobody here reads.
 fn of_table(file: &str, bytes: &[u8]) -> Result<Option<FileKind>, InputError> {
-    let (time, speed) = (&cycle::COLUMNS[0], &cycle::COLUMNS[1]);
-    let electric = |header: &[String]| {
-        let of_cell = cell::COLUMNS[1..4].iter().any(|column| has(column, header));
-        of_cell || trip::COLUMNS[4..6].iter().any(|column| has(column, header))
-    };
-    let timed = |header: &[String]| {
-        has(time, header) || has(&cell::COLUMNS[0], header) || has(&cycle::DISTANCE, header)
-    };
-    let is_header = |header: &[String]| timed(header) && (has(speed, header) || electric(header));
     let header = Sheet::open(file, bytes, is_header)?.header;
-    Ok(match (has(speed, &header), electric(&header)) {
+    Ok(match (has(&cycle::COLUMNS[1], &header), electric(&header)) {
         (true, true) => Some(FileKind::Trip),
         (false, true) => Some(FileKind::Cell),
         (true, false) => Some(FileKind::Cycle),
         (false, false) => timed(&header).then_some(FileKind::Cycle),
     })
+}
+
+/// Whether a line is the header of any of the tables.
+pub(crate) fn is_header(header: &[String]) -> bool {
+    timed(header) && (has(&cycle::COLUMNS[1], header) || electric(header))
+}
+
+fn electric(header: &[String]) -> bool {
+    let of_cell = cell::COLUMNS[1..4].iter().any(|column| has(column, header));
+    of_cell || trip::COLUMNS[4..6].iter().any(|column| has(column, header))
+}
+
+fn timed(header: &[String]) -> bool {
+    [&cycle::COLUMNS[0], &cell::COLUMNS[0], &cycle::DISTANCE].iter().any(|c| has(c, header))
 }
 
 fn of_toml(bytes: &[u8]) -> Option<FileKind> {
@@ -125,7 +162,11 @@ fn of_toml(bytes: &[u8]) -> Option<FileKind> {
             line.strip_prefix(b"[").unwrap_or(line).starts_with(table.as_bytes())
         })
     };
-    if VEHICLE_ONLY.iter().any(|table| holds(table)) {
+    if holds(CIRCUIT_ONLY) {
+        Some(FileKind::Circuit)
+    } else if holds(SCENARIO_ONLY) {
+        Some(FileKind::Scenario)
+    } else if VEHICLE_ONLY.iter().any(|table| holds(table)) {
         Some(FileKind::Vehicle)
     } else {
         holds("battery").then_some(FileKind::Battery)
@@ -160,11 +201,18 @@ mod tests {
             (b"time_s,current_a\n", FileKind::Cell),
             (VEHICLE.as_bytes(), FileKind::Vehicle),
             (BATTERY.as_bytes(), FileKind::Battery),
+            (b"name = 'x'\n[run]\n", FileKind::Circuit),
+            (b"[start]\nsoc = 1\n[drive]\ncycle = 'udds'\n", FileKind::Scenario),
+            (b"VSRC\x01\0", FileKind::Recording),
         ] {
             assert_eq!(recognise("x", bytes, &FileKind::ALL), Ok(kind));
             let others = FileKind::ALL.map(|k| if k == kind { FileKind::ALL[0] } else { k });
             if kind != FileKind::ALL[0] {
                 let error = recognise("x", bytes, &others).unwrap_err();
+                // Bytes that begin like a recording are no text of another kind.
+                if kind == FileKind::Recording {
+                    continue;
+                }
                 assert!(
                     error.message.starts_with(&format!("this is a {}; expected ", kind.name()))
                 );

@@ -146,9 +146,13 @@ fn date_ns(field: &str) -> Option<i128> {
     Some(days * 3600 * SECOND_NS + time)
 }
 
-/// `hours:minutes:seconds`; a running time may have more than 24 hours.
+/// `hours:minutes:seconds`; a running time may have more than 24 hours, or days before it: `2d 03:00:00`.
 fn clock_ns(field: &str) -> Option<i128> {
-    let mut parts = field.split(':');
+    let (days, clock) = match field.split_once("d ") {
+        Some((days, clock)) => (days.trim().parse::<u32>().ok()?, clock.trim()),
+        None => (0, field),
+    };
+    let mut parts = clock.split(':');
     let (hours, minutes, rest) = (parts.next()?, parts.next()?, parts.next()?);
     if parts.next().is_some() {
         return None;
@@ -164,7 +168,8 @@ fn clock_ns(field: &str) -> Option<i128> {
         return None;
     }
     let decimals: String = decimals.chars().chain("000000000".chars()).take(9).collect();
-    let minutes = whole(hours, 999_999)? * 60 + whole(minutes, 59)?;
+    let hours = whole(hours, 999_999)? + 24 * i128::from(days);
+    let minutes = hours * 60 + whole(minutes, 59)?;
     Some((minutes * 60 + whole(secs, 60)?) * SECOND_NS + decimals.parse::<i128>().ok()?)
 }
 
@@ -195,7 +200,8 @@ pub(crate) fn merge_equal(columns: &mut [Vec<f64>]) -> Option<String> {
     }
     *times = starts[..kept].iter().map(|&i| times[i]).collect();
     let merged = rows - kept;
-    Some(format!("{merged} samples have the time of the one before: averaged with it"))
+    let have = if merged == 1 { "sample has" } else { "samples have" };
+    Some(format!("{merged} {have} the time of the one before: averaged with it"))
 }
 
 #[cfg(test)]
@@ -261,7 +267,7 @@ mod tests {
         let note = merge_equal(&mut columns).unwrap();
         assert_eq!((&columns[0], &columns[1]), (&vec![0.0, 1.0, 2.0], &vec![1.0, 3.0, 5.0]));
         assert!(columns[2].len() == 3 && columns[2][1].is_nan() && columns[3].is_empty());
-        assert!(note.starts_with("1 samples have"), "{note}");
+        assert!(note.starts_with("1 sample has"), "{note}");
         assert_eq!(merge_equal(&mut columns), None);
     }
 }

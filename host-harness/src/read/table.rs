@@ -10,7 +10,7 @@ use csv::{ByteRecord, ReaderBuilder};
 
 use crate::read::error::{self, InputError};
 use crate::read::stamp::{Clock, count_from_first, merge_equal};
-use crate::read::unit::{Dimension, Unit};
+use crate::read::unit::{Dimension, Unit, is_unit};
 
 /// A column that is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -143,7 +143,7 @@ impl<'a> Sheet<'a> {
                     return Ok(Some(Bound { place, unit }));
                 }
                 Found::Unknown { text, in_brackets } => {
-                    if in_brackets || column.needed != Needed::Nothing {
+                    if in_brackets || column.needed != Needed::Nothing || is_unit(&text) {
                         unknown = unknown.or(Some((place, text)));
                     }
                 }
@@ -273,6 +273,9 @@ impl<'a> Sheet<'a> {
         style: &mut Style,
     ) -> Result<f64, InputError> {
         let field = record[bound.place].trim_ascii();
+        if column.dimension == Dimension::Direction {
+            return Ok(direction(field));
+        }
         let (low, high) = column.range_in(&bound.unit);
         match style.number(field) {
             Ok(number) if (low..=high).contains(&number) => Ok(bound.unit.si(number)),
@@ -307,6 +310,17 @@ impl<'a> Sheet<'a> {
         let start = self.start_of(record);
         let offset = start + field_offset(&self.text[start..], place, self.separator);
         InputError::at(self.file, &self.text, offset, message)
+    }
+}
+
+/// What a word says of a current without a sign: 1 out of the cell, -1 into it, 0 neither; NaN where it
+/// is none.
+fn direction(word: &[u8]) -> f64 {
+    match word.first().map(u8::to_ascii_uppercase) {
+        Some(b'D') => 1.0,
+        Some(b'C') => -1.0,
+        Some(letter) if letter.is_ascii_alphabetic() => 0.0,
+        _ => f64::NAN,
     }
 }
 

@@ -13,6 +13,8 @@ pub(crate) enum Dimension {
     Temperature,
     Ratio,
     Torque,
+    /// Which way a current without a sign flows: words that begin with D or C, and others.
+    Direction,
 }
 
 /// A unit: its value in SI (charge in A·h, temperature in °C) is `factor` times the number, and
@@ -38,9 +40,9 @@ const fn unit(
 }
 
 /// Every unit that is converted.
-const UNITS: [Unit; 29] = {
+const UNITS: [Unit; 30] = {
     use Dimension::{
-        Charge, Current, Length, Power, Ratio, Speed, Temperature, Time, Torque, Voltage,
+        Charge, Current, Direction, Length, Power, Ratio, Speed, Temperature, Time, Torque, Voltage,
     };
     let fahrenheit = unit(Temperature, "°F", &["f", "degf", "deg_f", "fahrenheit"], 1.0 / 1.8);
     [
@@ -73,6 +75,7 @@ const UNITS: [Unit; 29] = {
         unit(Power, "mW", &["milliwatt"], 1e-3),
         unit(Length, "cm", &["centimeter"], 0.01),
         unit(Length, "mm", &["millimeter"], 1e-3),
+        unit(Direction, "", &[], 1.0),
     ]
 };
 
@@ -101,7 +104,36 @@ impl Unit {
     }
 }
 
+/// Units that people write and that nothing here has, in small letters: a column with one of them is
+/// meant, and refused.
+const FOREIGN: [&str; 12] =
+    ["deg", "rad", "yd", "yds", "yard", "in", "inch", "kn", "knots", "kv", "ka", "hp"];
+
+/// Whether a text is a unit of anything.
+pub(crate) fn is_unit(text: &str) -> bool {
+    let small = text.to_lowercase();
+    FOREIGN.contains(&small.as_str())
+        || UNITS.iter().any(|unit| Unit::named(unit.dimension, text).is_some())
+}
+
 impl Dimension {
+    /// The unit that is converted to.
+    pub(crate) const fn si(self) -> &'static str {
+        match self {
+            Self::Time => "s",
+            Self::Speed => "m/s",
+            Self::Length => "m",
+            Self::Voltage => "V",
+            Self::Current => "A",
+            Self::Power => "W",
+            Self::Charge => "A·h",
+            Self::Temperature => "°C",
+            Self::Ratio => "ratio",
+            Self::Torque => "Nm",
+            Self::Direction => "",
+        }
+    }
+
     /// The units that it may have, as a list.
     pub(crate) fn units(self) -> String {
         let of = UNITS.iter().filter(|unit| unit.dimension == self).map(|unit| unit.name);

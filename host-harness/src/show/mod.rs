@@ -4,6 +4,7 @@
 
 pub(crate) mod campaign;
 pub(crate) mod cells;
+pub(crate) mod check;
 pub(crate) mod circuit;
 pub(crate) mod endurance;
 pub(crate) mod estimators;

@@ -2,6 +2,7 @@
 
 mod bms;
 mod browser;
+mod check;
 mod experiments;
 mod identify;
 mod measured;

@@ -92,7 +92,7 @@ fn what_is_missing_or_a_little_off_is_said() {
     let said = t.notes.join("\n");
     for note in [
         "column `Battery Temperature [°C]` is empty",
-        "1 samples have the time",
+        "1 sample has the time",
         "1 samples taken as",
     ] {
         assert!(said.contains(note), "{said}");
