@@ -4,7 +4,7 @@
 //! a static library.
 //!
 //! `include/voltstep.h` is made from these sources by `cargo xtask capi`. This is the only crate
-//! of the project that uses `unsafe`: C hands over raw pointers. Every function checks them (null,
+//! of the project with `unsafe` code: C hands over raw pointers. Every function checks them (null,
 //! alignment, overlap, whether the object was initialised) before it touches anything, and answers
 //! with a [`VoltstepStatus`]. The caller owns all memory; nothing is allocated, and nothing is
 //! kept between calls.

@@ -58,6 +58,7 @@ const CRATES: &[Crate] = &[
         ],
     },
     Crate { sources: "capi/src", layers: &[] },
+    Crate { sources: "web/src", layers: &[] },
     Crate { sources: "xtask/src", layers: &[] },
 ];
 

@@ -52,6 +52,7 @@ pub fn build() -> Result<()> {
     eprint!("{said}");
     ensure!(built.status.success(), "mdbook ended with {}", built.status);
     ensure!(!said.contains("WARN") && !said.contains("ERROR"), "the book builds with warnings");
+    crate::web::place(&out)?;
     let mut fetched = Vec::new();
     look(&out, &mut fetched)?;
     ensure!(fetched.is_empty(), "the book asks for what lies elsewhere: {}", fetched.join(", "));

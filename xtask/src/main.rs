@@ -8,6 +8,7 @@ mod args;
 mod arrows;
 mod board;
 mod book;
+mod browser;
 mod capi;
 mod citations;
 mod compare;
@@ -22,6 +23,7 @@ mod generate;
 mod generated;
 mod image;
 mod links;
+mod live;
 mod math;
 mod metadata;
 mod mutants;
@@ -32,6 +34,7 @@ mod qemu;
 mod report;
 
 mod shell;
+mod web;
 
 use std::process::ExitCode;
 use std::time::Instant;

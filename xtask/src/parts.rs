@@ -33,6 +33,7 @@ pub const PARTS: &[Part] = &[
     Part { needs_data: true, ..part("tests", "unit, workspace and doc tests on the host", tests) },
     part("examples", "each example runs and shows what it asserts", crate::examples::examples),
     part("docs", "rustdoc and the book build without a warning", docs),
+    part("live", "the book's live page in a browser: golden bits, keys, times", crate::live::live),
     part("thumb", "what runs on target compiles for Cortex-M4F and M0+, with each feature", thumb),
     part("replay", "the command replays a driving cycle and writes its files", replay),
     Part {
@@ -84,7 +85,11 @@ pub const LONG: &[Part] = &[
     ),
     part("presets", "writes the batteries of plant-core from their files", generate::presets),
     part("trip", "writes the synthetic trip and its true parameters", generate::trip),
-    part("picture", "draws the report of a trip for the book", crate::picture::picture),
+    part(
+        "picture",
+        "draws the report of a trip and the live page for the documents",
+        crate::picture::picture,
+    ),
 ];
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
@@ -146,7 +151,7 @@ fn setup() -> Result<()> {
     for component in ["rustfmt", "clippy"] {
         rustup("component", component)?;
     }
-    for target in TARGETS {
+    for target in TARGETS.into_iter().chain([crate::web::TARGET]) {
         rustup("target", target)?;
     }
     crate::book::setup()?;

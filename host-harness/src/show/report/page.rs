@@ -7,6 +7,9 @@ use crate::show::plot::Sheet;
 
 const STYLE: &str = include_str!("report.css");
 const SCRIPT: &str = include_str!("report.js");
+/// The book's live page has these, too.
+const PLOTS: &str = include_str!("plots.js");
+const PLOTS_STYLE: &str = include_str!("plots.css");
 const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("uplot/LICENSE");
@@ -107,7 +110,7 @@ impl Page {
              <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n"
         );
         if self.data.is_some() {
-            let _ = write!(page, "<style>\n{UPLOT_STYLE}\n</style>\n");
+            let _ = write!(page, "<style>\n{UPLOT_STYLE}\n{PLOTS_STYLE}</style>\n");
         }
         let _ = write!(
             page,
@@ -124,7 +127,7 @@ impl Page {
                 page,
                 "<details><summary>Plots drawn by uPlot, MIT licence</summary>\n<pre>{}</pre></details>\n\
                  </footer>\n<script type=\"application/json\" id=\"data\">{data}</script>\n\
-                 <script>\n{UPLOT}\n</script>\n",
+                 <script>\n{UPLOT}\n</script>\n<script>\n{PLOTS}</script>\n",
                 escaped(UPLOT_LICENCE)
             );
         } else {
