@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use super::capacity::Estimate;
 use super::cross::{self, Folds, HeldOut};
@@ -24,6 +24,8 @@ const TELLING_CURRENT: f64 = 0.05;
 /// An open-circuit curve beyond the measured voltages by more than this share of their span was not
 /// told by them.
 const OUTSIDE: f64 = 0.5;
+/// What a fit may leave, RMS, as a share of the span of the measured voltages; good ones leave 0.02.
+const LEFT: f64 = 0.1;
 /// Where the search begins: time constants \[s\], activation temperature \[kK\].
 const START_TAU_S: [f64; 2] = [10.0, 150.0];
 const START_ACTIVATION: f64 = 2.5;
@@ -129,7 +131,11 @@ pub fn of_records(
         100.0 * TELLING_SOC
     );
     let layout = Layout::over(soc, LOWEST_SOC).context("the state of charge spans too little")?;
-    excited(&measured, capacity.value)?;
+    let level = excited(&measured, capacity.value);
+    let curve_only = level.is_err() && measured.iter().all(|m| m.kind == Kind::Sweep);
+    if !curve_only {
+        level?;
+    }
 
     let mut start = Start::new(&layout, START_TAU_S, START_ACTIVATION);
     if celsius.1 - celsius.0 < TELLING_K {
@@ -140,13 +146,35 @@ pub fn of_records(
             celsius.1 - celsius.0
         ));
     }
-    let current_delay_s = delay(&measured, &layout, &start, tick)?;
+    if curve_only {
+        start.hold((0..BRANCHES).flat_map(|b| layout.resistances(b)), 0.0);
+        start.hold((0..BRANCHES).map(|b| layout.activation(b)), 0.0);
+        for (b, tau_s) in (1..BRANCHES).zip(START_TAU_S) {
+            start.hold([layout.log_tau(b)], tau_s.ln());
+        }
+        notes.push(format!(
+            "no test varies the current: none tells a resistance, and the curve is the voltage under \
+             {:.3} A, off by what that drops: add pulses or a drive cycle",
+            usual(measured.iter().flat_map(|m| m.current_a.iter().copied()))
+        ));
+    }
+    let current_delay_s = if curve_only { 0.0 } else { delay(&measured, &layout, &start, tick)? };
     let series: Vec<Series> = measured.iter().map(|m| m.placed(&layout, current_delay_s)).collect();
-    let (mut start, first) = branches(&series, &layout, start, &mut notes, tick)?;
+    let (mut start, first) = if curve_only {
+        let first = fit::fit(&series, &layout, &start, MOST_STEPS, |_, _| true, || tick("fit"))?;
+        (start, first)
+    } else {
+        branches(&series, &layout, start, &mut notes, tick)?
+    };
     start.smoothing = Smoothing::expected(&layout, &first);
     start.parameters = first.parameters;
     let found = fit::fit(&series, &layout, &start, MOST_STEPS, |_, _| true, || tick("fit"))?;
     told(&measured, &found.parameters[layout.voltages()])?;
+    let mut sum = Normal::new(layout.len());
+    found.blocks.iter().flatten().for_each(|b| sum.add(b));
+    let voltage_rmse_v = sum.rms()[0].unwrap_or(f64::NAN);
+    let resists = (0..BRANCHES).any(|b| layout.resistances(b).any(|i| found.parameters[i] > 0.0));
+    agree(&measured, resists || curve_only, voltage_rmse_v)?;
     let errors = fit::standard_errors(&layout, &start, &found);
     let second_branch = start.free[layout.log_tau(2)];
     uncertain(&layout, &found, &errors, second_branch, &mut notes);
@@ -179,8 +207,6 @@ pub fn of_records(
             tick("cross-validation")
         })?
     };
-    let mut sum = Normal::new(layout.len());
-    found.blocks.iter().flatten().for_each(|b| sum.add(b));
     let (lowest, highest) = (layout.ohm[0].max(soc.0), soc.1.min(1.0));
     Ok(Identified {
         options,
@@ -194,7 +220,7 @@ pub fn of_records(
         current_delay_s,
         soc: (lowest, highest),
         celsius,
-        voltage_rmse_v: sum.rms()[0].unwrap_or(f64::NAN),
+        voltage_rmse_v,
         held_out,
         notes,
         layout,
@@ -229,6 +255,36 @@ fn told(measured: &[Measured], ocv: &[f64]) -> anyhow::Result<()> {
          a drive cycle without gaps"
     );
     Ok(())
+}
+
+/// The middle one of some values.
+fn usual(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Whether one battery can have given all of the measurements: some resistance fits them, and what is
+/// left is small beside the voltages' span.
+fn agree(measured: &[Measured], resists: bool, voltage_rmse_v: f64) -> anyhow::Result<()> {
+    let (low_v, high_v) = (measured.iter().flat_map(|m| m.voltage_v.iter().copied()))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let worst = voltage_rmse_v / (high_v - low_v);
+    let why = if !resists {
+        "no resistance above zero fits"
+    } else if worst > LEFT || worst.is_nan() {
+        "no battery fits"
+    } else {
+        return Ok(());
+    };
+    bail!(
+        "the measurements contradict each other or the model: {why}, {:.0} mV RMS are left of {:.2} V; \
+         are all of one cell, each begun as its counter says, at the right sign of the current? \
+         Leave out one after the other: {}",
+        1000.0 * voltage_rmse_v,
+        high_v - low_v,
+        measured.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ")
+    );
 }
 
 /// Whether any current varies enough.

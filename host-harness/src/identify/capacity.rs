@@ -15,7 +15,7 @@ pub struct Estimate {
 }
 
 /// Slower than this share of the capacity an hour is slow.
-const SLOW_PER_HOUR: f64 = 0.1;
+const SLOW_PER_HOUR: f64 = 0.125;
 /// A trip tells the capacity where its state of charge moves by this.
 const TELLING_SOC: f64 = 0.02;
 

@@ -164,8 +164,9 @@ pub fn coldness(celsius: f64) -> f64 {
     1.0 / (celsius + KELVIN_AT_0_C) - 1.0 / REFERENCE_K
 }
 
-/// The sample at which a sweep has discharged most.
+/// The sample at which a sweep has discharged most; the first, as a rest may follow, or a charge.
 pub fn emptied(record: &CellRecord) -> usize {
-    let most = record.discharged_ah.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let counted = record.discharged_ah.iter().enumerate();
+    let most = counted.max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));
     most.map_or(0, |(i, _)| i)
 }

@@ -271,3 +271,56 @@ fn finds_a_known_battery_for_a_hundred_seeds() {
         assert!(NODE.contains(&group) || all >= INSIDE, "{group}: {all} %");
     }
 }
+
+/// The slowest discharge that most people have, and nothing else.
+#[test]
+fn a_sweep_alone_tells_capacity_and_curve_but_no_resistance() {
+    let dt = Dt::from_s(1.0 / STEPS_PER_S as f32).unwrap();
+    let battery = MappedBattery::new(truth(), dt).unwrap();
+    let mut bench = Bench { battery, noise: Noise::new(1) };
+    let sweep_a = CAPACITY_AH / 9.0;
+    let mut sweep = bench.test("sweep", 25.0, 0.0, 60, |_| sweep_a);
+    // A rest behind it, and a fast charge, which are no part of it.
+    let (end_s, last_ah) = (*sweep.time_s.last().unwrap(), *sweep.discharged_ah.last().unwrap());
+    for (after_s, amps, ah) in
+        [(60.0, 0.0, last_ah), (120.0, -2.0, last_ah), (180.0, -2.0, last_ah - 0.033)]
+    {
+        sweep.time_s.push(end_s + after_s);
+        sweep.current_a.push(amps);
+        sweep.voltage_v.push(3.3);
+        sweep.discharged_ah.push(ah);
+        sweep.cell_c.push(25.0);
+        sweep.chamber_c.push(25.0);
+    }
+    let found = of_records(Vec::new(), vec![sweep], options(1), &|_| Ok(())).unwrap();
+    assert!(
+        (found.capacity.value / f64::from(CAPACITY_AH) - 1.0).abs() < 0.01,
+        "{:?}",
+        found.capacity
+    );
+    assert!((0..3).all(|b| found.resistances(b).iter().all(|(_, ohm)| ohm.value == 0.0)));
+    let drop_v = f64::from(sweep_a * (0.03 + 0.012 + 0.02));
+    let truth = truth();
+    for (soc, e) in found.open_circuit().into_iter().filter(|(soc, _)| (0.3..0.7).contains(soc)) {
+        let under_v = f64::from(truth.open_circuit.at(soc as f32)) - e.value;
+        assert!((under_v - drop_v).abs() < 0.006, "{soc}: {under_v} {drop_v}");
+    }
+    let said = found.notes.join("\n");
+    assert!(
+        said.contains("none tells a resistance, and the curve is the voltage under 0.33"),
+        "{said}"
+    );
+}
+
+/// What cannot be of one battery is refused, and named.
+#[test]
+fn tests_that_contradict_each_other_are_refused() {
+    let mut records: Vec<_> = tests(1).into_iter().take(2).collect();
+    for amps in &mut records[1].current_a {
+        *amps = -*amps;
+    }
+    let refused = of_records(Vec::new(), records, options(1), &|_| Ok(())).unwrap_err().to_string();
+    for part in ["contradict each other", "mV RMS are left of", "sweep, 25c_a"] {
+        assert!(refused.contains(part), "{refused}");
+    }
+}
