@@ -296,7 +296,7 @@ fn overviews_lead_to_each_and_sort() {
         }
     }
     let bms = sandbox.read(&pages[2]);
-    for part in ["<td>CellHeated</td>", "before harm [ms]", "why harmless", "id=\"kinds\""] {
+    for part in [">CellWireOpen</td>", "before harm [ms]", "why harmless", "id=\"kinds\""] {
         assert!(bms.contains(part), "{part}");
     }
     let links = |page: &str| sandbox.read(page).matches("<td><a href=").count();
