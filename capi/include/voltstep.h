@@ -1067,17 +1067,17 @@ enum VoltstepBmsRow
   VOLTSTEP_BMS_ROW_RESIDUAL = 59,
   // The front end counts other cells than there are.
   VOLTSTEP_BMS_ROW_CELL_COUNT = 60,
-  // A cell that does not move when the current does.
+  // A cell that does not move when the current does, or moves when nothing does.
   VOLTSTEP_BMS_ROW_STUCK_CELL = 61,
-  // A temperature that does not move when the others do.
+  // A temperature that does not move when the others do, or falls faster than anything cools.
   VOLTSTEP_BMS_ROW_STUCK_TEMPERATURE = 62,
-  // A current that does not move when the cells do.
+  // A current that does not move when the cells do, or moves and they do not.
   VOLTSTEP_BMS_ROW_STUCK_CURRENT = 63,
   // Highest less lowest cell.
   VOLTSTEP_BMS_ROW_IMBALANCE = 64,
   // Hottest less coldest sensor.
   VOLTSTEP_BMS_ROW_TEMPERATURE_SPREAD = 65,
-  // How fast the fastest sensor warms up.
+  // How fast the fastest sensor warms up beyond what the current explains.
   VOLTSTEP_BMS_ROW_TEMPERATURE_RATE = 66,
   // A wire between cells and front end.
   VOLTSTEP_BMS_ROW_OPEN_WIRE = 67,

@@ -37,6 +37,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             &state.now,
             &Signals {
                 flags,
+                bleeding: state.bleeding,
                 mains_closed: minus == Feedback::Closed && plus == Feedback::Closed,
                 all_open: state.feedback == [Feedback::Open; 3],
                 second_current_a: board.second_current_a(),

@@ -165,6 +165,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
                 state.series.cells.book(index, bled_as / group_as);
             }
         }
+        state.bleeding = state.balancer.bleeding().contains(&true);
         board.bleed(state.balancer.bleeding());
     }
 

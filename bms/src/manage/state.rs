@@ -88,6 +88,8 @@ pub struct BmsState<const CELLS: usize, const SENSORS: usize> {
     pub(super) limits: Limits,
     pub(super) balancer: BalancerState<CELLS>,
     pub(super) balancing: bool,
+    /// A cell is bled.
+    pub(super) bleeding: bool,
     /// The samples of this second, as the series counts them.
     pub(super) sample: u32,
     /// Whose turn it is among the cells.
@@ -209,6 +211,7 @@ impl<const CELLS: usize, const SENSORS: usize> Bms<CELLS, SENSORS> {
             limits: Limits::NONE,
             balancer: BalancerState::NEW,
             balancing: false,
+            bleeding: false,
             sample: 0,
             turn: 0,
             since_filter: 0,

@@ -26,7 +26,7 @@ const HEAL_S: Real = 1.0;
 /// between two pulses shows whether it was one.
 const PATIENCE_S: Real = 10.0;
 /// Two sensors of one quantity may differ this long \[s\]. Chosen: longer than their lags.
-const AGREE_S: Real = 0.5;
+pub(super) const AGREE_S: Real = 0.5;
 /// Samples of what may not wait for a time: the fewest that are not one.
 const AT_ONCE: u16 = 2;
 /// Share of the voltage window beyond which cells are apart, or a model is off: at a mean slope,
@@ -40,6 +40,9 @@ const APART_K: Real = 15.0;
 const OPEN_WIRE_V: Real = 0.4;
 /// Insulation \[Ω/V\] \[Iso6469\]: 500 with alternating current, 100 with direct current alone.
 const INSULATION: [Real; 3] = [500.0, 300.0, 100.0];
+/// Heaters and coolant warm cells up by less \[K/s\]. Chosen: some times the degree a minute that
+/// packs are heated with.
+const HEATED_K_PER_S: Real = 0.1;
 /// Time over which warming up is measured \[s\].
 pub(super) const RATE_S: Real = 10.0;
 
@@ -182,7 +185,7 @@ pub(super) const fn derived(sheet: &PackSheet, id: Id) -> Row {
         Id::TemperatureRate => {
             // What the current cannot explain.
             let noise = sheet.sensing.temperature_c.hysteresis() / RATE_S;
-            let threshold = 3.0 * cell.worst_k_per_s() + 2.0 * noise;
+            let threshold = HEATED_K_PER_S + 2.0 * noise;
             let timing = Timing::within(sheet, Pace::Sweep, TEMPERATURE_BUDGET_S);
             made(
                 sheet,

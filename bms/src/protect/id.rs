@@ -117,11 +117,11 @@ pub enum Id {
     Residual,
     /// The front end counts other cells than there are.
     CellCount,
-    /// A cell that does not move when the current does.
+    /// A cell that does not move when the current does, or moves when nothing does.
     StuckCell,
-    /// A temperature that does not move when the others do.
+    /// A temperature that does not move when the others do, or falls faster than anything cools.
     StuckTemperature,
-    /// A current that does not move when the cells do.
+    /// A current that does not move when the cells do, or moves and they do not.
     StuckCurrent,
     /// No value, or an old one.
     Stale(Source),
@@ -131,7 +131,7 @@ pub enum Id {
     Imbalance,
     /// Hottest less coldest sensor \[K\].
     TemperatureSpread,
-    /// How fast the fastest sensor warms up \[K/s\].
+    /// How fast the fastest sensor warms up beyond what the current explains \[K/s\].
     TemperatureRate,
     /// A wire between cells and front end: how far a reading moves under the test current \[V\].
     OpenWire,

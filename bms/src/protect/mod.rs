@@ -22,7 +22,9 @@ mod protection;
 mod row;
 mod sheet;
 mod signals;
+mod steady;
 mod table;
+mod warming;
 
 pub use debounce::{Debounce, DebounceState, Sample};
 pub use derive::{CURRENT_BUDGET_S, STALE_BUDGET_S, TEMPERATURE_BUDGET_S, VOLTAGE_BUDGET_S};

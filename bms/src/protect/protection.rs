@@ -1,23 +1,27 @@
 //! Measurements judged by every row.
 
 use plant_core::error::check;
-use plant_core::num::{LARGEST, clamp, lag_gain, max, min, sane};
+use plant_core::num::{LARGEST, max, min};
 use plant_core::{ParamError, Real};
 
 use super::debounce::DebounceState;
-use super::derive::RATE_S;
-use super::id::{Faults, Flow, Id, ROWS};
-use super::look::{FOLLOW, Look, Moves, Taken, taken};
+use super::id::{Faults, Flow, Id, Level, ROWS, Side};
+use super::look::{Look, Moves, Taken, taken};
 use super::row::{Clear, Pace, Reaction, Row, Trip};
 use super::signals::{Signals, Verdict};
+use super::steady::{RESISTANCE_RANGE, Steady, SteadyLimits};
 use super::table::Table;
+use super::warming::{Warming, WarmingLimits};
 use crate::Measurements;
 
 mod bad;
 mod seen;
+mod sweep;
 
-/// A cell's resistance may be this many times less than the largest of its life.
-const RESISTANCE_RANGE: Real = 10.0;
+/// Too hot for either direction.
+const TOO_HOT: Faults = Faults::NONE
+    .with(Id::Temperature(Flow::Discharge, Side::High, Level::Msl))
+    .with(Id::Temperature(Flow::Charge, Side::High, Level::Msl));
 /// A move that no converter hides, in its steps.
 const STEPS: Real = 8.0;
 /// Cells that all move this share of their window within a second say that the current moved.
@@ -61,7 +65,8 @@ pub struct Protection<'t, const CELLS: usize, const SENSORS: usize> {
     each_tick: Faults,
     /// Rows of cells and temperatures are judged after a sweep, none in every call.
     by_sweep: bool,
-    rate_gain: Real,
+    steady: SteadyLimits,
+    warming: WarmingLimits,
     cell_moves_a: Real,
     temperature_moves_k: Real,
     jump_v: Real,
@@ -89,13 +94,13 @@ pub struct ProtectionState<const CELLS: usize, const SENSORS: usize> {
     last_temperatures: Look,
     cell_moves: Moves<CELLS>,
     temperature_moves: Moves<SENSORS>,
-    #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
-    slow_c: [Real; SENSORS],
-    fastest_k_per_s: Real,
-    last_fastest_k_per_s: Real,
+    steady: Steady<CELLS>,
+    warming: Warming<SENSORS>,
     pub(super) stuck: Faults,
     pub(super) heat_a2s: [Real; 2],
     current_a: Real,
+    /// It has been the same since the cells have jumped.
+    current_stands: bool,
     /// No current up to this is bad, discharging and charging \[A\].
     least_a: [Real; 2],
     /// Lowest and highest cell, where they were when the current had last moved, following slowly
@@ -119,12 +124,12 @@ impl<const CELLS: usize, const SENSORS: usize> ProtectionState<CELLS, SENSORS> {
         last_temperatures: Look::NEW,
         cell_moves: Moves::NEW,
         temperature_moves: Moves::NEW,
-        slow_c: [Real::NAN; SENSORS],
-        fastest_k_per_s: 0.0,
-        last_fastest_k_per_s: 0.0,
+        steady: Steady::NEW,
+        warming: Warming::NEW,
         stuck: Faults::NONE,
         heat_a2s: [0.0; 2],
         current_a: Real::NAN,
+        current_stands: false,
         least_a: [Real::NEG_INFINITY; 2],
         jump_from_v: [Real::NAN; 2],
         follow: 0,
@@ -202,9 +207,13 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
             table,
             each_tick,
             by_sweep: bad::judged_by_sweep(table.rows()),
-            rate_gain: lag_gain(sheet.sweep_s() / RATE_S),
+            steady: SteadyLimits::new(sheet),
+            warming: WarmingLimits::new(sheet),
             cell_moves_a: STEPS * cell.resolution * sheet.layout.parallel as Real / least_ohm,
-            temperature_moves_k: max(STEPS * temperature.resolution, 2.0 * temperature.error),
+            temperature_moves_k: max(
+                STEPS * temperature.resolution,
+                2.0 * temperature.hysteresis(),
+            ),
             jump_v: JUMP * window_v,
             slow_v: JUMP * window_v * sheet.sweep_s(),
         })
@@ -248,7 +257,7 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         let ends = state.tick + 1 >= sheet.sweep_ticks;
         state.tick = if ends { 0 } else { state.tick + 1 };
         if ends {
-            self.end_sweep(state, fast.current.value());
+            self.end_sweep(state, fast.current.value(), signals.bleeding);
         }
 
         let due = if ends { Faults::ALL } else { self.each_tick };
@@ -308,11 +317,12 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
                 }
             }
         }
+        let runaway = state.tripped.both(TOO_HOT) == TOO_HOT;
         let (mut trip, mut forbidden) = (Trip::None, !state.latched.is_empty());
         if !state.tripped.is_empty() {
             for id in state.tripped.iter() {
                 let row = self.table.row(id);
-                if !self.in_effect(row, fast.current) {
+                if !self.in_effect(row, fast.current, signals.mains_closed && runaway) {
                     continue;
                 }
                 if row.clear > Clear::No {
@@ -339,9 +349,13 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         }
     }
 
-    /// A temperature at which a battery may not be charged harms none that is not.
-    fn in_effect(&self, row: &Row, current: Taken) -> bool {
+    /// A temperature at which a battery may not be charged harms none that is not. One that is too hot
+    /// for either direction is so by no current, once none is allowed: waiting would not cool it.
+    fn in_effect(&self, row: &Row, current: Taken, runaway: bool) -> bool {
         let Id::Temperature(flow, ..) = row.id else { return true };
+        if runaway && TOO_HOT.has(row.id) {
+            return true;
+        }
         let Some(current_a) = current.value() else { return true };
         let sensor = &self.table.sheet().sensing.current_a;
         along(flow, current_a) > sensor.error + sensor.hysteresis()
@@ -378,6 +392,7 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
             let taken = taken(reading, sensor, oldest_s);
             state.cells.take(taken);
             state.cell_moves.take(index, taken.value());
+            state.steady.take(&self.steady, index, taken.value());
         }
         let sensor = &sheet.sensing.temperature_c;
         let oldest_s = sensor.oldest_s(sheet.tick_s);
@@ -386,62 +401,8 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
             let taken = taken(reading, sensor, oldest_s);
             state.temperatures.take(taken);
             state.temperature_moves.take(index, taken.value());
-            if let (Some(value_c), Some(slow_c)) = (taken.value(), state.slow_c.get_mut(index)) {
-                if !sane(*slow_c) {
-                    *slow_c = value_c;
-                }
-                let ahead_k = value_c - *slow_c;
-                state.fastest_k_per_s = max(ahead_k / RATE_S, state.fastest_k_per_s);
-                *slow_c += self.rate_gain * ahead_k;
-            }
+            state.warming.take(&self.warming, index, taken.value());
         }
-    }
-
-    /// Everything was looked at once more.
-    fn end_sweep(&self, state: &mut ProtectionState<CELLS, SENSORS>, current_a: Option<Real>) {
-        let shows = |value: Option<Real>| value.unwrap_or(Real::NAN);
-        let mut stuck = Faults::NONE;
-        if state.cell_moves.stuck(shows(current_a), self.cell_moves_a) {
-            stuck = stuck.with(Id::StuckCell);
-        }
-        let mean_c = shows(state.temperatures.mean());
-        if state.temperature_moves.stuck(mean_c, self.temperature_moves_k) {
-            stuck = stuck.with(Id::StuckTemperature);
-        }
-        if self.current_stuck(state, shows(current_a)) {
-            stuck = stuck.with(Id::StuckCurrent);
-        }
-        state.stuck = stuck;
-        state.last_cells = state.cells;
-        state.last_temperatures = state.temperatures;
-        state.last_fastest_k_per_s = state.fastest_k_per_s;
-        (state.cells, state.temperatures) = (Look::NEW, Look::NEW);
-        state.fastest_k_per_s = 0.0;
-        state.swept = true;
-        state.least_a = self.least_a(state);
-    }
-
-    /// All cells have jumped and the current is the same to the bit: it is stuck, until it moves.
-    fn current_stuck(&self, state: &mut ProtectionState<CELLS, SENSORS>, current_a: Real) -> bool {
-        let now_v = [state.cells.lowest, state.cells.highest];
-        #[expect(clippy::float_cmp, reason = "a stuck reading is the same to the bit")]
-        let moved = current_a != state.current_a;
-        state.current_a = current_a;
-        if moved {
-            state.follow = FOLLOW;
-        }
-        // The cells' readings need time to follow; what they do slowly is no jump.
-        let slow_v = if state.follow > 0 { LARGEST } else { self.slow_v };
-        state.follow = state.follow.saturating_sub(1);
-        for (from_v, now_v) in state.jump_from_v.iter_mut().zip(now_v) {
-            *from_v += clamp(now_v - *from_v, -slow_v, slow_v);
-            if !sane(*from_v) {
-                *from_v = now_v;
-            }
-        }
-        let [low_v, high_v] = [0, 1].map(|end: usize| now_v[end] - state.jump_from_v[end]);
-        let jumped = low_v * high_v > 0.0 && min(low_v.abs(), high_v.abs()) > self.jump_v;
-        !moved && (jumped || state.stuck.has(Id::StuckCurrent))
     }
 }
 

@@ -190,7 +190,12 @@ impl CellSheet {
 
     /// How fast it may warm up at most by its own current \[K/s\].
     pub(super) const fn worst_k_per_s(&self) -> Real {
-        self.worst_a() * self.worst_a() * self.resistance_ohm / self.heat_capacity_j_per_k
+        self.worst_a() * self.worst_a() * self.k_per_s_a2()
+    }
+
+    /// The same for each square of its current \[K/(s·A²)\].
+    pub(super) const fn k_per_s_a2(&self) -> Real {
+        self.resistance_ohm / self.heat_capacity_j_per_k
     }
 
     const fn worst_a(&self) -> Real {

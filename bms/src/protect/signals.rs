@@ -14,6 +14,8 @@ pub struct Signals<'a> {
     /// loop through the connectors, a crash, supply, coolant, estimator, bleed switches, the
     /// comparator of a short circuit.
     pub flags: Faults,
+    /// Cells are bled: one may move alone.
+    pub bleeding: bool,
     /// Both main contactors show closed.
     pub mains_closed: bool,
     /// All contactors show open.
@@ -39,6 +41,7 @@ impl Signals<'_> {
     /// Nothing to report, nothing asked.
     pub const QUIET: Self = Self {
         flags: Faults::NONE,
+        bleeding: false,
         mains_closed: false,
         all_open: false,
         second_current_a: Real::NAN,

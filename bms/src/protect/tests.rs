@@ -1,3 +1,4 @@
+mod alone;
 mod debounce;
 mod judge;
 mod latch;

@@ -128,17 +128,17 @@ pub enum VoltstepBmsRow {
     Residual = 59,
     /// The front end counts other cells than there are.
     CellCount = 60,
-    /// A cell that does not move when the current does.
+    /// A cell that does not move when the current does, or moves when nothing does.
     StuckCell = 61,
-    /// A temperature that does not move when the others do.
+    /// A temperature that does not move when the others do, or falls faster than anything cools.
     StuckTemperature = 62,
-    /// A current that does not move when the cells do.
+    /// A current that does not move when the cells do, or moves and they do not.
     StuckCurrent = 63,
     /// Highest less lowest cell.
     Imbalance = 64,
     /// Hottest less coldest sensor.
     TemperatureSpread = 65,
-    /// How fast the fastest sensor warms up.
+    /// How fast the fastest sensor warms up beyond what the current explains.
     TemperatureRate = 66,
     /// A wire between cells and front end.
     OpenWire = 67,

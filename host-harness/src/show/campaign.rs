@@ -2,51 +2,57 @@
 
 use std::fmt::Write;
 
-use crate::evaluate::campaign::{Judged, Report, Verdict};
-use crate::read::scenario::Fault;
+use crate::evaluate::campaign::{Case, Judged, Report, Verdict};
 use crate::show::table::table;
 
-/// What became of a case, in words.
-pub const VERDICTS: [(Verdict, &str); 6] = [
-    (Verdict::InTime, "opened in time"),
-    (Verdict::Noticed, "noticed"),
-    (Verdict::Harmless, "harmless"),
-    (Verdict::BeyondContactors, "beyond contactors"),
-    (Verdict::Missed, "missed"),
-    (Verdict::Late, "late"),
-];
-
 /// A verdict in words.
-pub fn words(verdict: Verdict) -> &'static str {
-    VERDICTS.iter().find(|(known, _)| *known == verdict).map_or("", |(_, words)| words)
+pub const fn words(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::InTime => "opened in time",
+        Verdict::Noticed => "noticed",
+        Verdict::Harmless => "harmless",
+        Verdict::BeyondContactors => "beyond contactors",
+        Verdict::Missed => "missed",
+        Verdict::Late => "late",
+    }
 }
 
-/// A row for each fault, what failed, the margins.
+/// How many cases ended how, in words.
+pub fn counts(report: &Report) -> String {
+    Verdict::ALL.map(|one| format!("{} {}", report.count(one), words(one))).join(", ")
+}
+
+/// What was not noticed, as a share of all cases \[%\].
+pub fn harmless_percent(report: &Report) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "a few thousand")]
+    let share = report.count(Verdict::Harmless) as f64 / report.cases.len().max(1) as f64;
+    100.0 * share
+}
+
+/// A row for each fault, why what was not noticed need not be, what failed, the margins.
 pub fn render(report: &Report) -> String {
     let mut header = vec!["fault", "cases"];
-    header.extend(VERDICTS.map(|(_, words)| words));
+    header.extend(Verdict::ALL.map(words));
     header.extend(["opened after [ms]", "least margin [ms]"]);
     let mut rows = table(&header);
-    for fault in Fault::ALL {
-        let of: Vec<&Judged> = report.cases.iter().filter(|j| j.case.fault == fault).collect();
-        if of.is_empty() {
-            continue;
-        }
-        let mut row = vec![format!("{fault:?}"), of.len().to_string()];
-        for (verdict, _) in VERDICTS {
-            let count = of.iter().filter(|judged| judged.verdict == verdict).count();
-            row.push(if count > 0 { count.to_string() } else { String::new() });
-        }
-        let after = of.iter().filter_map(|judged| judged.opened_ms);
-        row.push(match (after.clone().min(), after.max()) {
-            (Some(least), Some(most)) => format!("{least}..{most}"),
-            _ => String::new(),
-        });
-        let margin = of.iter().filter_map(|judged| judged.before_harm_ms).min();
-        row.push(margin.map_or_else(String::new, |ms| ms.to_string()));
+    for kind in &report.kinds {
+        let mut row = vec![format!("{:?}", kind.fault), kind.cases().to_string()];
+        let count = |count: usize| if count > 0 { count.to_string() } else { String::new() };
+        row.extend(kind.ended.map(count));
+        let after = kind.opened_ms.map(|(least, most)| format!("{least}..{most}"));
+        row.push(after.unwrap_or_default());
+        row.push(kind.least_before_harm_ms.map_or_else(String::new, |ms| ms.to_string()));
         rows.add_row(row);
     }
     let mut text = format!("{rows}\n");
+    if !report.unnoticed.is_empty() {
+        let mut rows = table(&["harmless", "cases", "why it need not be noticed"]);
+        for of in &report.unnoticed {
+            let fault = format!("{:?}", of.fault);
+            rows.add_row([fault, of.cases.to_string(), of.reason.to_owned()]);
+        }
+        let _ = writeln!(text, "{rows}");
+    }
     let failed = |judged: &&Judged| matches!(judged.verdict, Verdict::Late | Verdict::Missed);
     for judged in report.cases.iter().filter(failed).take(20) {
         let case = &judged.case;
@@ -75,12 +81,20 @@ pub fn render(report: &Report) -> String {
             margins.len(),
         );
     }
-    let cases = report.cases.len();
-    let counts: Vec<String> = VERDICTS
-        .iter()
-        .map(|(verdict, words)| format!("{} {words}", report.count(*verdict)))
-        .collect();
-    let _ = writeln!(text, "{cases} cases: {}", counts.join(", "));
+    let ended = report.cases.iter().filter(|judged| judged.at_the_end).count();
+    let _ = writeln!(text, "of what was noticed {ended} only when the drive had ended");
+    for judged in report.cases.iter().filter(|judged| !judged.without.is_empty()).take(20) {
+        let Case { soc, temperature_c, .. } = judged.case;
+        let rows = judged.without.join(" ");
+        let _ = writeln!(text, "without the fault, {} %, {temperature_c} °C: {rows}", 100.0 * soc);
+    }
+    let _ = writeln!(
+        text,
+        "{} cases: {}; {:.1} % harmless",
+        report.cases.len(),
+        counts(report),
+        harmless_percent(report),
+    );
     let _ = writeln!(
         text,
         "{} h of driving without a fault: {} false trips",

@@ -32,6 +32,12 @@ fn every_fault_is_met_in_time() {
     for key in ["case", "verdict", "opened_ms", "before_harm_ms", "harm", "reason", "rows"] {
         assert!(cases[0].get(key).is_some(), "{key}: {}", cases[0]);
     }
+    let harmless = cases.iter().filter(|case| case["verdict"] == "harmless").count();
+    let unnoticed = report["unnoticed"].as_array().unwrap();
+    let reasons: u64 = unnoticed.iter().map(|of| of["cases"].as_u64().unwrap()).sum();
+    assert_eq!(usize::try_from(reasons).unwrap(), harmless, "{unnoticed:?}");
+    let kinds = report["kinds"].as_array().unwrap();
+    assert!(kinds.len() > 30 && kinds[0]["fault"] == "cell-wire-open", "{kinds:?}");
 }
 
 #[test]

@@ -295,6 +295,10 @@ fn overviews_lead_to_each_and_sort() {
             assert!(sandbox.path().join(folder).join(&link).exists(), "{page}: {link}");
         }
     }
+    let bms = sandbox.read(&pages[2]);
+    for part in [">CellWireOpen</td>", "before harm [ms]", "why harmless", "id=\"kinds\""] {
+        assert!(bms.contains(part), "{part}");
+    }
     let links = |page: &str| sandbox.read(page).matches("<td><a href=").count();
     assert_eq!(pages.each_ref().map(|page| links(page)), [6, 36, 0]);
 

@@ -108,14 +108,16 @@ fn tries_are_bounded() {
     let mut state = SHORT.start();
     run(&mut state, QUIET, 3);
     let slow = ContactorInput { on: true, watch: Watch::Slow, ..QUIET };
-    let (mut precharges, mut was) = (0, false);
+    let (mut precharges, mut was, mut counted) = (0, false, [false; 4]);
     for _ in 0..500 {
         let input = obeying(&state, slow);
         let coils = SHORT.step(&mut state, input);
         precharges += u8::from(coils.precharge && !was);
         was = coils.precharge;
+        counted[usize::from(state.tries())] = true;
     }
     assert_eq!((precharges, SHORT.tries), (3, 3));
+    assert_eq!(counted[..3], [true; 3], "each failed try is told");
     assert_eq!((state.phase(), state.cause()), (Phase::Fault, Cause::PrechargeSlow));
     // Neither time nor a request ends it; a reset with the request off does.
     run(&mut state, QUIET, 100);

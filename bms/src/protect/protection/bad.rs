@@ -115,7 +115,8 @@ impl<const CELLS: usize, const SENSORS: usize> Protection<'_, CELLS, SENSORS> {
             Id::Imbalance => cells.highest - cells.lowest > self.limit(Id::Imbalance),
             Id::TemperatureSpread =>
                 temperatures.highest - temperatures.lowest > self.limit(Id::TemperatureSpread),
-            Id::TemperatureRate => state.last_fastest_k_per_s > self.limit(Id::TemperatureRate),
+            Id::TemperatureRate =>
+                state.warming.unexplained_k_per_s > self.limit(Id::TemperatureRate),
             Id::OpenWire => !signals.wires_v.is_empty(),
             Id::Stale(Source::Cell) => cells.stale,
             Id::Stale(Source::Temperature) => temperatures.stale,

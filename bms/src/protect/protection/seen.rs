@@ -72,7 +72,7 @@ impl<const CELLS: usize, const SENSORS: usize> Protection<'_, CELLS, SENSORS> {
             Id::Range(Source::Link) => Seen::flag(fast.link == Taken::OutOfRange),
             Id::Imbalance => of(cells.highest - cells.lowest, cells),
             Id::TemperatureSpread => of(temperatures.highest - temperatures.lowest, temperatures),
-            Id::TemperatureRate => of(state.last_fastest_k_per_s, temperatures),
+            Id::TemperatureRate => of(state.warming.unexplained_k_per_s, temperatures),
             Id::OpenWire => wires(signals.wires_v, CELLS),
             Id::Insulation(_) => match &signals.insulation_ohm_per_v {
                 None => Seen::all(LARGEST),

@@ -2,7 +2,8 @@
 
 use super::scene::{CELLS, MSL, PACK, Scene, State, TABLE};
 use crate::protect::{
-    EXAMPLE, Flow, Id, Level, Protection, Sample, Seen, Sensing, Sensor, Side, Source, Table, Trip,
+    EXAMPLE, Flow, Id, Level, Protection, Row, Sample, Seen, Sensing, Sensor, Side, Source, Table,
+    Trip,
 };
 use crate::{Reading, Real};
 
@@ -20,6 +21,12 @@ fn a_row_tells_bad_near_good_and_missing() {
         let of_some =
             |by: Real| row.judge(Seen { value: row.threshold + out * by, complete: false });
         assert_eq!((of_some(1e-4), of_some(-1.0)), (Sample::Bad, Sample::Missing));
+    }
+    // A limit may be reached, not exceeded; so may the end of the hysteresis. Exact in binary.
+    for (row, out) in [(over, 1.0), (under, -1.0)] {
+        let row = Row { threshold: 4.0, hysteresis: 0.25, ..*row };
+        let at = |by: Real| row.judge(Seen::all(4.0 + out * by));
+        assert_eq!((at(0.0), at(-0.25)), (Sample::Near, Sample::Good));
     }
     for bad in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, 1e30] {
         assert_eq!(over.judge(Seen::all(bad)), Sample::Missing);

@@ -309,8 +309,8 @@ const BY_HAND: [(Real, Real, u16, u16, Pace); ROWS] = {
         (0.5, 0.0, 2, 0, S),
         (0.14, 0.002, 2, 500, S),
         (15.0, 0.2, 2, 500, S),
-        // Three times what the current explains, and two hysteresises in 10 s.
-        (0.582_769, 0.02, 49, 0, S),
+        // What heaters do, and two hysteresises in 10 s.
+        (0.14, 0.02, 49, 0, S),
         (0.4, 0.1, 2, 0, S),
         (0.5, 0.0, 2, 0, T),
         (0.5, 0.0, 1, 0, T),

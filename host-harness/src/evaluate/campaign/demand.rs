@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+/// The current of a charger \[A\].
+pub const CHARGER_A: f32 = 20.0;
 /// A course's samples lie so far apart \[ms\].
 pub const SAMPLE_MS: u32 = 100;
 
@@ -20,7 +22,7 @@ pub enum Demand {
 impl Demand {
     /// Of a charger, or of pulses.
     pub const fn of(charging: bool) -> Self {
-        if charging { Self::Constant(-20.0) } else { Self::Pulses }
+        if charging { Self::Constant(-CHARGER_A) } else { Self::Pulses }
     }
 
     /// The current at a time \[A\].

@@ -5,11 +5,13 @@
 //! harm it opened. What the BMS sees goes through sensors with noise; what is judged are the true cells.
 
 mod demand;
+mod report;
 mod rig;
 pub mod scenario;
 mod virtual_pack;
 
-use demand::Demand;
+use demand::{CHARGER_A, Demand};
+pub use report::{Kind, Report, Unnoticed};
 pub use rig::Harm;
 use rig::Rig;
 pub use virtual_pack::VirtualPack;
@@ -59,11 +61,21 @@ const BMS: Bms<CELLS, SENSORS> = must!(Bms::new(&PACK));
 /// States of charge and temperatures \[°C\] that each fault is planted at.
 const SOCS: [f32; 4] = [0.03, 0.2, 0.6, 0.97];
 const TEMPERATURES_C: [f32; 4] = [-15.0, 10.0, 25.0, 42.0];
+/// From here on the limits leave next to nothing of a charger's current.
+const FULL_SOC: f32 = 0.9;
 /// The contactors are asked to close at this time, faults come later \[ms\].
 const ASKED_MS: u32 = 300;
 const FAULT_MS: u32 = 3000;
 /// So long it is watched from then on \[ms\].
 const WATCHED_MS: u32 = 20_000;
+/// Likewise, where it shows by a temperature: some times as long as warming is measured over.
+const WARMED_MS: u32 = 60_000;
+/// Likewise, where cells must warm up by their own current, and this current \[A\]: it warms them by some
+/// steps of their sensors, where the limits leave it.
+const DRIVEN_WARM_MS: u32 = 150_000;
+const WARMS_A: f32 = 100.0;
+/// Then the drive ends as every drive does: what shows with open contactors shows within this \[ms\].
+const ENDED_MS: u32 = 5000;
 
 /// One case.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -104,6 +116,18 @@ pub enum Verdict {
     Late,
 }
 
+impl Verdict {
+    /// Every one, in the order in which they are shown.
+    pub const ALL: [Self; 6] = [
+        Self::InTime,
+        Self::Noticed,
+        Self::Harmless,
+        Self::BeyondContactors,
+        Self::Missed,
+        Self::Late,
+    ];
+}
+
 /// A case and its judgement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
@@ -121,44 +145,12 @@ pub struct Judged {
     pub reason: Option<&'static str>,
     /// Rows that had tripped before the fault.
     pub before: Vec<String>,
-    /// Rows that tripped after it.
+    /// Rows that tripped after it, and would not have without it.
     pub rows: Vec<String>,
-}
-
-/// The whole campaign.
-#[derive(Debug, Serialize)]
-pub struct Report {
-    /// Every case.
-    pub cases: Vec<Judged>,
-    /// Hours of driving without a fault.
-    pub hours: f64,
-    /// What tripped in them.
-    pub false_trips: Vec<String>,
-}
-
-impl Report {
-    /// How many ended so.
-    #[must_use]
-    pub fn count(&self, verdict: Verdict) -> usize {
-        self.cases.iter().filter(|judged| judged.verdict == verdict).count()
-    }
-
-    /// Whether nothing was late, missed or false.
-    #[must_use]
-    pub fn is_good(&self) -> bool {
-        self.count(Verdict::Late) == 0
-            && self.count(Verdict::Missed) == 0
-            && self.false_trips.is_empty()
-    }
-
-    /// The margins before harm \[ms\], sorted.
-    #[must_use]
-    pub fn margins_ms(&self) -> Vec<u32> {
-        let mut margins: Vec<_> =
-            self.cases.iter().filter_map(|judged| judged.before_harm_ms).collect();
-        margins.sort_unstable();
-        margins
-    }
+    /// They did when the drive had ended, before the next.
+    pub at_the_end: bool,
+    /// Rows that asked for the contactors to open without the fault.
+    pub without: Vec<String>,
 }
 
 /// Every `each`th of all cases.
@@ -176,8 +168,17 @@ pub fn cases(each: usize) -> Vec<Case> {
                         When::Closed => FAULT_MS + (seed >> 8) % 1000,
                     };
                     // The charger is on in every second of them, at either end of the curve.
-                    let charging = (index + other + severity) % 2 == 0 && fault != Fault::Overload
-                        || fault == Fault::Overcharge;
+                    let charging = match fault {
+                        Fault::Overcharge => true,
+                        // A charger takes half an hour to warm cells up.
+                        Fault::Overload | Fault::TemperatureStuck => false,
+                        // What a charger's current does not reach is met by driving alone.
+                        Fault::CurrentSaturated if much > CHARGER_A => false,
+                        // Full, or too cold to be charged: a current that does not flow tests no sensor.
+                        _ if temperature_c < SHEET.cell.charge_window.none_below_c => false,
+                        _ if fault.of_current() && soc > FULL_SOC => false,
+                        _ => (index + other + severity) % 2 == 0,
+                    };
                     cases.push(Case {
                         fault,
                         severity,
@@ -205,11 +206,8 @@ pub fn run(each: usize, hours: f64) -> Result<Report, ParamError> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "few hours")]
     let quarters = quarters as u32;
     let quiet: Result<Vec<_>, _> = (0..quarters).into_par_iter().map(quarter).collect();
-    Ok(Report {
-        cases: judged?,
-        hours: f64::from(quarters) / 4.0,
-        false_trips: quiet?.into_iter().flatten().collect(),
-    })
+    let false_trips = quiet?.into_iter().flatten().collect();
+    Ok(Report::new(judged?, f64::from(quarters) / 4.0, false_trips))
 }
 
 /// A BMS on its pack.
@@ -235,7 +233,7 @@ impl Drive {
             polarisation: Some(Polarisation::NONE),
             ..Record::of(memory, Health::as_new(PACK.battery()))
         };
-        let charging = matches!(demand, Demand::Constant(_));
+        let charging = matches!(demand, Demand::Constant(current_a) if current_a < 0.0);
         Ok(Self {
             rig: Rig::new(soc, temperature_c, seed, planted)?,
             state: BMS.start(Some(&record), Some(160), temperature_c)?,
@@ -267,10 +265,12 @@ struct Seen {
     already: Faults,
     /// Rows that tripped after it.
     rows: Faults,
+    /// Of these, the ones that did before the drive was to end.
+    driven: Faults,
     trip: Trip,
     /// The contactors were closed once.
     reached: bool,
-    /// They opened after the first fault \[ms\].
+    /// They opened after the first fault though they were asked to stay closed \[ms\].
     opened_ms: Option<u32>,
     /// So long before harm, had they stayed closed \[ms\].
     before_harm_ms: Option<u32>,
@@ -279,34 +279,44 @@ struct Seen {
 /// Drives until an end, a harm, or shortly after the contactors have opened, and from there once more
 /// as if nobody had reacted: contactors held closed, limits as before the first fault; says each step.
 fn watch(drive: &mut Drive, from_ms: u32, end_ms: u32, mut each: impl FnMut(&Drive)) -> Seen {
-    let (mut already, mut rows, mut trip) = (Faults::NONE, Faults::NONE, Trip::None);
-    let (mut opened_ms, mut fork, mut reached) = (None, None, false);
+    let mut seen = Seen {
+        already: Faults::NONE,
+        rows: Faults::NONE,
+        driven: Faults::NONE,
+        trip: Trip::None,
+        reached: false,
+        opened_ms: None,
+        before_harm_ms: None,
+    };
+    let mut fork = None;
     let mut before = *drive.state.limits();
-    // A weld is looked for once the contactors have opened, while the link falls.
-    let after_ms = if drive.until_ms < u32::MAX { WATCHED_MS } else { FAULT_MS };
     for ms in 1..=end_ms {
         drive.step();
         each(drive);
         let verdict = drive.state.verdict();
+        let asked = ms < drive.until_ms;
         if ms > from_ms {
-            rows = rows.union(verdict.tripped).union(verdict.latched);
-            trip = trip.max(verdict.trip);
+            seen.rows = seen.rows.union(verdict.tripped).union(verdict.latched);
+            if asked {
+                seen.driven = seen.rows;
+            }
+            seen.trip = seen.trip.max(verdict.trip);
         } else {
-            already = verdict.tripped;
+            seen.already = verdict.tripped;
             before = *drive.state.limits();
         }
         let phase = drive.phase();
-        reached |= phase == Phase::Closed;
-        let opens = reached && !matches!(phase, Phase::Closed | Phase::Shed);
-        if opens && opened_ms.is_none() && ms > from_ms {
-            opened_ms = Some(ms);
+        seen.reached |= phase == Phase::Closed;
+        let opens = seen.reached && !matches!(phase, Phase::Closed | Phase::Shed);
+        if opens && asked && seen.opened_ms.is_none() && ms > from_ms {
+            seen.opened_ms = Some(ms);
             fork = Some(drive.rig.clone());
         }
-        if drive.rig.harm.is_some() || opened_ms.is_some_and(|at_ms| ms > at_ms + after_ms) {
+        if drive.rig.harm.is_some() || seen.opened_ms.is_some_and(|at_ms| ms > at_ms + FAULT_MS) {
             break;
         }
     }
-    let before_harm_ms = fork.and_then(|mut rig| {
+    seen.before_harm_ms = fork.and_then(|mut rig| {
         rig.held = Some(Coils { minus: true, precharge: false, plus: true });
         let from_ms = rig.ms;
         while rig.harm.is_none() && rig.ms < from_ms + 2 * WATCHED_MS {
@@ -315,10 +325,23 @@ fn watch(drive: &mut Drive, from_ms: u32, end_ms: u32, mut each: impl FnMut(&Dri
         }
         rig.harm.map(|_| rig.ms - from_ms)
     });
-    Seen { already, rows: rows.minus(already), trip, reached, opened_ms, before_harm_ms }
+    seen.rows = seen.rows.minus(seen.already);
+    seen.driven = seen.driven.minus(seen.already);
+    seen
 }
 
 impl Seen {
+    /// Less what was seen of the same drive without a fault: that is no answer to it.
+    fn beyond(self, healthy: &Self) -> Self {
+        Self {
+            rows: self.rows.minus(healthy.rows),
+            driven: self.driven.minus(healthy.rows),
+            trip: if self.trip > healthy.trip { self.trip } else { Trip::None },
+            opened_ms: self.opened_ms.filter(|_| healthy.opened_ms.is_none()),
+            ..self
+        }
+    }
+
     fn noticed(&self) -> bool {
         !self.rows.is_empty() || self.trip > Trip::None
     }
@@ -327,12 +350,10 @@ impl Seen {
     fn verdict(&self, drive: &Drive, fault: Fault, reason: Option<&'static str>) -> Verdict {
         let cause = drive.state.contactors().cause();
         let refused = fault.when() == When::Before && (!self.reached || cause != Cause::None);
-        // Asked to, they open with whatever is welded.
-        let opened = self.opened_ms.is_some() && !fault.shows_when_opening();
         match drive.rig.harm {
             Some(_) if self.opened_ms.is_some() => Verdict::BeyondContactors,
             Some(_) => Verdict::Late,
-            None if opened || refused => Verdict::InTime,
+            None if self.opened_ms.is_some() || refused => Verdict::InTime,
             None if self.noticed() => Verdict::Noticed,
             None if reason.is_some() || !self.reached => Verdict::Harmless,
             None => Verdict::Missed,
@@ -340,16 +361,33 @@ impl Seen {
     }
 }
 
-/// Drives a case with the BMS, then without.
-fn judge(case: &Case) -> Result<Judged, ParamError> {
-    let planted = Planted::new(case.fault, case.much, case.from_ms);
-    let place = (case.soc, case.temperature_c);
-    let mut drive = Drive::new(place, Demand::of(case.charging), case.seed, vec![planted])?;
-    if case.fault.shows_when_opening() {
-        drive.until_ms = case.from_ms + FAULT_MS;
+/// How long a fault is driven with, and watched after the drive \[ms\].
+fn watched_ms(fault: Fault) -> (u32, u32) {
+    match fault {
+        // A weld is looked for once the contactors have opened, while the link falls.
+        _ if fault.shows_when_opening() => (FAULT_MS, WATCHED_MS),
+        Fault::CellHeated => (WARMED_MS, ENDED_MS),
+        Fault::TemperatureStuck => (DRIVEN_WARM_MS, ENDED_MS),
+        _ => (WATCHED_MS, ENDED_MS),
     }
-    let end_ms = case.from_ms + FAULT_MS + WATCHED_MS;
-    let seen = watch(&mut drive, case.from_ms, end_ms, |_| {});
+}
+
+/// Drives a case with the BMS, then without; and with the BMS, but without the fault.
+fn judge(case: &Case) -> Result<Judged, ParamError> {
+    let place = (case.soc, case.temperature_c);
+    let (driven_ms, ended_ms) = watched_ms(case.fault);
+    let until_ms = case.from_ms + FAULT_MS + driven_ms;
+    let start = |planted| -> Result<Drive, ParamError> {
+        let demand = match case.fault {
+            Fault::TemperatureStuck => Demand::Constant(WARMS_A),
+            _ => Demand::of(case.charging),
+        };
+        Ok(Drive { until_ms, ..Drive::new(place, demand, case.seed, planted)? })
+    };
+    let mut drive = start(vec![Planted::new(case.fault, case.much, case.from_ms)])?;
+    let seen = watch(&mut drive, case.from_ms, until_ms + ended_ms, |_| {});
+    let healthy = watch(&mut start(Vec::new())?, case.from_ms, drive.rig.ms, |_| {});
+    let seen = seen.beyond(&healthy);
     let reason = case.fault.need_not_be_noticed(case.severity);
     let verdict = seen.verdict(&drive, case.fault, reason);
     Ok(Judged {
@@ -361,6 +399,8 @@ fn judge(case: &Case) -> Result<Judged, ParamError> {
         reason: if verdict == Verdict::Harmless { reason } else { None },
         before: names(seen.already),
         rows: names(seen.rows),
+        at_the_end: verdict == Verdict::Noticed && seen.driven.is_empty(),
+        without: if healthy.trip > Trip::None { names(healthy.rows) } else { Vec::new() },
     })
 }
 

@@ -14,7 +14,7 @@ pub enum Fault {
     CellReadsHigh,
     /// A cell reads too low \[V\].
     CellReadsLow,
-    /// Two cells are read in place of each other.
+    /// Two neighbouring wires to the cells are swapped: one cell reads in reverse, those beside it read two.
     CellsSwapped,
     /// The front end does not answer.
     CellsLost,
@@ -178,23 +178,36 @@ impl Fault {
 
     /// How much of it, at four severities, in the unit that it has: V, K, A, Ω, a ratio, K/s, or a
     /// share of time. Where it is so or not, all are the same.
+    ///
+    /// The mildest of a sensor lies beyond three times what its sheet declares, at the current that the
+    /// campaign drives with (120 A at most, a charger's 20 A); less is no fault of it. That of a load
+    /// lies beyond what the cells bear for good.
     #[must_use]
     pub const fn severities(self) -> [f32; 4] {
         match self {
+            // Declared: 2 mV.
             CellReadsHigh | CellReadsLow => [0.02, 0.1, 0.25, 0.5],
+            // Declared: 1 K.
             TemperatureReadsLow => [3.0, 10.0, 20.0, 40.0],
-            CurrentOffset => [1.0, 5.0, 20.0, 60.0],
-            CurrentGain => [0.02, 0.1, 0.3, 0.6],
-            CurrentSaturated => [200.0, 100.0, 50.0, 20.0],
-            PackVoltageOff | LinkVoltageOff => [0.5, 2.0, 5.0, 15.0],
+            // Declared: 2 A, offset and gain together.
+            CurrentOffset => [6.0, 12.0, 20.0, 60.0],
+            // 6 A of the charger's 20 A.
+            CurrentGain => [0.3, 0.45, 0.6, 0.9],
+            // Two thirds of the largest current; 6 A less than the charger's.
+            CurrentSaturated => [80.0, 50.0, 14.0, 5.0],
+            // Declared: 0.2 V, and as much of the one that it is compared with.
+            PackVoltageOff | LinkVoltageOff => [1.2, 2.0, 5.0, 15.0],
             LinkShortBefore => [10.0, 3.0, 1.0, 0.1],
             PrechargeResistorOpen => [300.0, 1e3, 1e4, 1e7],
             LinkTooLarge => [3.0, 5.0, 10.0, 30.0],
             CellHeated => [0.2, 0.5, 1.0, 3.0],
             CellShort => [1.0, 0.3, 0.1, 0.03],
-            Overcharge => [20.0, 60.0, 120.0, 200.0],
-            Overload => [60.0, 150.0, 250.0, 400.0],
-            LinkShort => [1.0, 0.3, 0.1, 0.02],
+            // For good: 40 A; for ten seconds: 80 A.
+            Overcharge => [60.0, 90.0, 120.0, 200.0],
+            // For good: 116 A; for ten seconds: 174 A. Less than 150 A takes longer than is watched.
+            Overload => [150.0, 180.0, 250.0, 400.0],
+            // Beyond 116 A at 50 V: 0.43 Ω.
+            LinkShort => [0.3, 0.1, 0.05, 0.02],
             Insulation => [450.0, 250.0, 90.0, 1.0],
             _ => [1.0; 4],
         }
@@ -239,9 +252,24 @@ impl Fault {
             | LinkShortBefore
             | PrechargeResistorOpen
             | LinkTooLarge
-            | PrechargeShowsClosed => When::Before,
+            | PrechargeShowsClosed
+            | CellsSwapped => When::Before,
             _ => When::Closed,
         }
+    }
+
+    /// Whether it is one of the current's sensor.
+    #[must_use]
+    pub const fn of_current(self) -> bool {
+        matches!(
+            self,
+            CurrentStuck
+                | CurrentOffset
+                | CurrentGain
+                | CurrentReversed
+                | CurrentSaturated
+                | CurrentLost
+        )
     }
 
     /// Whether it shows only when the contactors open.
@@ -255,22 +283,18 @@ impl Fault {
     #[must_use]
     pub const fn need_not_be_noticed(self, severity: usize) -> Option<&'static str> {
         match (self, severity) {
-            (CellsSwapped, _) => Some("cells that are alike read alike"),
-            (CellReadsHigh | CellReadsLow, 0 | 1) => Some("less than cells may differ"),
-            (CellStuck, _) => Some("it is noticed once the current moves enough"),
-            (TemperatureReadsLow, 0 | 1) => Some("less than sensors may differ"),
-            (TemperatureStuck, _) => Some("it is noticed once temperatures move"),
-            (CurrentOffset, 0 | 1) => Some("within the sensor's error, or the filter learns it"),
-            (CurrentOffset | CurrentGain | CurrentReversed | CurrentStuck, _) => {
-                Some("one current sensor: only the cells' voltages contradict, in minutes")
+            (CellReadsHigh | CellReadsLow, 0 | 1) => {
+                Some("less than cells may differ, hidden by a load that changed at that moment")
             }
-            (CurrentSaturated, _) => Some("it is not met below its limit"),
-            (PackVoltageOff | LinkVoltageOff, 0) => Some("within the sensors' errors"),
-            (PackVoltageOff | LinkVoltageOff, 1) => Some("less than the sum of the cells' errors"),
-            (CellHeated, 0 | 1) => Some("slower than three times its own warming"),
-            (CellShort, 0..=2) => Some("cells part by charge, in minutes"),
-            (LinkShort, 0) => Some("a load like any other"),
-            (Overcharge | Overload, 0) => Some("within the limits"),
+            (CellStuck, _) => Some("no current flowed that would have moved it"),
+            (TemperatureStuck, _) => Some("it is noticed once temperatures move"),
+            (CurrentGain, _) => Some("cells of another resistance explain it"),
+            (CurrentReversed | CurrentStuck, _) => Some("no current flowed that it could hide"),
+            (CurrentSaturated, _) => Some("not met, or cells of another resistance explain it"),
+            (CellHeated, 0) => Some("no more than three times its own warming"),
+            (CellShort, 0..=2) => {
+                Some("it sags less than three times the sensor's error, or while the load changed")
+            }
             _ => None,
         }
     }

@@ -7,7 +7,7 @@ use crate::evaluate::campaign::{self, Verdict};
 use crate::evaluate::cells::{CellRow, CellsReport};
 use crate::evaluate::estimators::{EstimatorReport, EstimatorRun, honesty};
 use crate::evaluate::trips::{TripRow, TripsReport};
-use crate::show::campaign::VERDICTS;
+use crate::show::campaign::{counts, harmless_percent, words};
 use crate::simulate::mode::Mode;
 
 /// The overview's own file.
@@ -234,13 +234,42 @@ const CASES: [Figure<campaign::Judged>; 3] = [
     ("severity", 0, |j| Some(j.case.severity as f64)),
 ];
 
+/// The faults of a campaign, each with how its cases ended.
+fn kinds(report: &campaign::Report) -> String {
+    let mut header = vec!["fault", "cases"];
+    header.extend(Verdict::ALL.map(words));
+    header.extend(["opened from [ms]", "to [ms]", "least before harm [ms]", "why harmless"]);
+    let number = |count: usize| Cell::of(u32::try_from(count).ok().map(f64::from), 0);
+    let rows: Vec<_> = (report.kinds.iter())
+        .map(|kind| {
+            let why = report.unnoticed.iter().filter(|of| of.fault == kind.fault);
+            let why: Vec<_> = why.map(|of| format!("{}: {}", of.cases, of.reason)).collect();
+            let mut row = vec![Cell::Text(format!("{:?}", kind.fault)), number(kind.cases())];
+            row.extend(kind.ended.map(number));
+            let opened_ms = kind.opened_ms;
+            for ms in [
+                opened_ms.map(|(least, _)| least),
+                opened_ms.map(|(_, most)| most),
+                kind.least_before_harm_ms,
+            ] {
+                row.push(Cell::of(ms.map(f64::from), 0));
+            }
+            row.push(Cell::Text(why.join("; ")));
+            row
+        })
+        .collect();
+    table(&header, (1, header.len() - 2), &rows, true)
+}
+
 /// The overview of `voltstep bms`.
 pub fn campaign(report: &campaign::Report) -> Vec<u8> {
-    let counts: Vec<_> = (VERDICTS.iter())
-        .map(|(verdict, words)| format!("{} {words}", report.count(*verdict)))
-        .collect();
     let lead = [
-        format!("{} cases: {}.", report.cases.len(), counts.join(", ")),
+        format!(
+            "{} cases: {}; {:.1} % harmless.",
+            report.cases.len(),
+            counts(report),
+            harmless_percent(report)
+        ),
         format!(
             "{} h of driving without a fault: {} false trips.",
             report.hours,
@@ -251,9 +280,7 @@ pub fn campaign(report: &campaign::Report) -> Vec<u8> {
     page.notes(report.false_trips.iter());
     let rows: Vec<_> = report.cases.iter().collect();
     page.section("spread", "How soon the contactors opened", &spreads(&rows, &CASES[..2]));
-    let words = |verdict: Verdict| {
-        VERDICTS.iter().find(|(one, _)| *one == verdict).map_or("", |(_, words)| words)
-    };
+    page.section("kinds", "By fault", &kinds(report));
     let lead = |_, j: &campaign::Judged| {
         let much = f64::from(j.case.much);
         vec![

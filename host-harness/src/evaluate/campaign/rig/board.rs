@@ -103,6 +103,19 @@ impl Board<CELLS, SENSORS> for Rig {
 }
 
 impl Rig {
+    /// The two wires above a cell and above the next are swapped.
+    fn swap_wires(&self, into: &mut Measurements<CELLS, SENSORS>, at: usize) {
+        let cell_v = |cell: usize| self.cell_v.get(cell).copied().unwrap_or(0.0);
+        let next_v = cell_v(at + 1);
+        for (cell, reads_v) in
+            [(at, cell_v(at) + next_v), (at + 1, -next_v), (at + 2, next_v + cell_v(at + 2))]
+        {
+            if let Some(reading) = into.cell_v.get_mut(cell) {
+                reading.value = reads_v;
+            }
+        }
+    }
+
     fn measure_cells(&mut self, into: &mut Measurements<CELLS, SENSORS>) {
         let noise_v = SHEET.sensing.cell_v.noise_sd;
         let before_v = into.cell_v.map(|reading| reading.value);
@@ -111,6 +124,10 @@ impl Rig {
         }
         for planted in self.planted.iter().filter(|p| self.ms >= p.from_ms) {
             let at = planted.at;
+            if planted.fault == Fault::CellsSwapped {
+                self.swap_wires(into, at);
+                continue;
+            }
             let cell = &mut into.cell_v[at].value;
             match planted.fault {
                 Fault::CellStuck => *cell = before_v[at],
@@ -118,7 +135,6 @@ impl Rig {
                 Fault::CellReadsLow => *cell -= planted.much,
                 Fault::CellWireOpen => *cell = 0.05,
                 Fault::CellSentinel => *cell = 819.1,
-                Fault::CellsSwapped => into.cell_v.swap(at, (at + 1) % CELLS),
                 _ => {}
             }
         }
