@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 
 use super::capacity::Estimate;
 use super::cross::{self, Folds, HeldOut};
@@ -11,6 +11,7 @@ use super::input;
 use super::layout::{self, ACTIVATION_UNIT_K, BRANCHES, Layout, place};
 use super::normal::Normal;
 use super::series::{LOWEST_SOC, Measured, Series, coldness};
+use super::telling::{agree, excited, told};
 use super::thermal::{self, Node};
 use crate::read::cell::{CellRecord, Kind};
 use crate::read::trip::Trip;
@@ -19,13 +20,6 @@ use crate::read::trip::Trip;
 const TELLING_K: f64 = 10.0;
 /// … and the tables where the state of charge spans this.
 const TELLING_SOC: f64 = 0.1;
-/// A current that varies by less tells no resistance, as a share of the capacity an hour.
-const TELLING_CURRENT: f64 = 0.05;
-/// An open-circuit curve beyond the measured voltages by more than this share of their span was not
-/// told by them.
-const OUTSIDE: f64 = 0.5;
-/// What a fit may leave, RMS, as a share of the span of the measured voltages; good ones leave 0.02.
-const LEFT: f64 = 0.1;
 /// Where the search begins: time constants \[s\], activation temperature \[kK\].
 const START_TAU_S: [f64; 2] = [10.0, 150.0];
 const START_ACTIVATION: f64 = 2.5;
@@ -147,16 +141,7 @@ pub fn of_records(
         ));
     }
     if curve_only {
-        start.hold((0..BRANCHES).flat_map(|b| layout.resistances(b)), 0.0);
-        start.hold((0..BRANCHES).map(|b| layout.activation(b)), 0.0);
-        for (b, tau_s) in (1..BRANCHES).zip(START_TAU_S) {
-            start.hold([layout.log_tau(b)], tau_s.ln());
-        }
-        notes.push(format!(
-            "no test varies the current: none tells a resistance, and the curve is the voltage under \
-             {:.3} A, off by what that drops: add pulses or a drive cycle",
-            usual(measured.iter().flat_map(|m| m.current_a.iter().copied()))
-        ));
+        without_resistance(&mut start, &layout, &measured, &mut notes);
     }
     let current_delay_s = if curve_only { 0.0 } else { delay(&measured, &layout, &start, tick)? };
     let series: Vec<Series> = measured.iter().map(|m| m.placed(&layout, current_delay_s)).collect();
@@ -239,69 +224,25 @@ fn spans(measured: &[Measured]) -> ((f64, f64), (f64, f64)) {
     ((low.max(0.0), high.min(1.0)), over(|m| &m.celsius))
 }
 
-/// Whether an open-circuit curve lies where the voltages were measured: else nothing held its level,
-/// as in a pulse test alone.
-fn told(measured: &[Measured], ocv: &[f64]) -> anyhow::Result<()> {
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
-    };
-    let (low_v, high_v) = range(&mut measured.iter().flat_map(|m| m.voltage_v.iter().copied()));
-    let (fitted_low_v, fitted_high_v) = range(&mut ocv.iter().copied());
-    let margin_v = OUTSIDE * (high_v - low_v);
-    ensure!(
-        fitted_low_v >= low_v - margin_v && fitted_high_v <= high_v + margin_v,
-        "the measurements do not tell the open-circuit voltage: {fitted_low_v:.2}..{fitted_high_v:.2} V \
-         fits best, and {low_v:.2}..{high_v:.2} V was measured; add a slow discharge of a full cell or \
-         a drive cycle without gaps"
-    );
-    Ok(())
-}
-
-/// The middle one of some values.
-fn usual(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// Whether one battery can have given all of the measurements: some resistance fits them, and what is
-/// left is small beside the voltages' span.
-fn agree(measured: &[Measured], resists: bool, voltage_rmse_v: f64) -> anyhow::Result<()> {
-    let (low_v, high_v) = (measured.iter().flat_map(|m| m.voltage_v.iter().copied()))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    let worst = voltage_rmse_v / (high_v - low_v);
-    let why = if !resists {
-        "no resistance above zero fits"
-    } else if worst > LEFT || worst.is_nan() {
-        "no battery fits"
-    } else {
-        return Ok(());
-    };
-    bail!(
-        "the measurements contradict each other or the model: {why}, {:.0} mV RMS are left of {:.2} V; \
-         are all of one cell, each begun as its counter says, at the right sign of the current? \
-         Leave out one after the other: {}",
-        1000.0 * voltage_rmse_v,
-        high_v - low_v,
-        measured.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ")
-    );
-}
-
-/// Whether any current varies enough.
-fn excited(measured: &[Measured], capacity_ah: f64) -> anyhow::Result<()> {
-    let spread = |m: &Measured| {
-        #[expect(clippy::cast_precision_loss, reason = "a count")]
-        let n = m.current_a.len() as f64;
-        let mean = m.current_a.iter().sum::<f64>() / n;
-        (m.current_a.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / n).sqrt()
-    };
-    let most = measured.iter().map(spread).fold(0.0, f64::max);
-    ensure!(
-        most >= TELLING_CURRENT * capacity_ah,
-        "the current varies by {most:.3} A: too little to tell a resistance (at least {:.3} A)",
-        TELLING_CURRENT * capacity_ah
-    );
-    Ok(())
+/// Holds every resistance at zero, and says what the curve is then.
+fn without_resistance(
+    start: &mut Start,
+    layout: &Layout,
+    measured: &[Measured],
+    notes: &mut Vec<String>,
+) {
+    start.hold((0..BRANCHES).flat_map(|b| layout.resistances(b)), 0.0);
+    start.hold((0..BRANCHES).map(|b| layout.activation(b)), 0.0);
+    for (b, tau_s) in (1..BRANCHES).zip(START_TAU_S) {
+        start.hold([layout.log_tau(b)], tau_s.ln());
+    }
+    let mut amps: Vec<f64> = measured.iter().flat_map(|m| m.current_a.iter().copied()).collect();
+    amps.sort_unstable_by(f64::total_cmp);
+    notes.push(format!(
+        "no test varies the current: none tells a resistance, and the curve is the voltage under \
+         {:.3} A, off by what that drops: add pulses or a drive cycle",
+        amps.get(amps.len() / 2).copied().unwrap_or(f64::NAN)
+    ));
 }
 
 /// By how much the logged current leads the logged voltage: the delay, in whole samples, with the

@@ -16,6 +16,7 @@ mod layout;
 mod normal;
 mod parameters;
 mod series;
+mod telling;
 #[cfg(test)]
 mod tests;
 mod thermal;

@@ -274,6 +274,7 @@ fn finds_a_known_battery_for_a_hundred_seeds() {
 
 /// The slowest discharge that most people have, and nothing else.
 #[test]
+#[expect(clippy::cast_possible_truncation, reason = "the truth is in f32")]
 fn a_sweep_alone_tells_capacity_and_curve_but_no_resistance() {
     let dt = Dt::from_s(1.0 / STEPS_PER_S as f32).unwrap();
     let battery = MappedBattery::new(truth(), dt).unwrap();
