@@ -94,6 +94,16 @@ pub fn cell(data: &[u8]) {
     }
 }
 
+/// Whatever a file is: what is said of it is sound.
+pub fn check(data: &[u8]) {
+    if let Ok(found) = voltstep::read::check::parse("fuzz", data, 60.0) {
+        assert!(!found.commands.is_empty());
+        for column in found.table.iter().flat_map(|table| &table.columns) {
+            assert!(column.least <= column.largest || column.missing > 0, "{column:?}");
+        }
+    }
+}
+
 /// Numbers out of bytes; where these end, the last number again.
 #[derive(Clone, Copy)]
 struct Bits<'a> {

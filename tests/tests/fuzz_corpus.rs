@@ -5,6 +5,8 @@ mod targets;
 
 use std::path::Path;
 
+use voltstep::read::recognise::FileKind;
+
 /// Runs every file of a target's corpus.
 fn run(target: &str, body: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target);
@@ -24,6 +26,7 @@ fn readers() {
     run("battery", targets::battery);
     run("cell", targets::cell);
     run("netlist", targets::netlist);
+    run("check", targets::check);
 }
 
 #[test]
@@ -77,4 +80,15 @@ fn the_seeds_are_taken() {
     );
     assert!(voltstep::read::netlist::parse("x.toml", &seed("netlist/buck.toml")).is_ok());
     assert!(voltstep::read::cell::parse("x.csv", &seed("cell/three.csv")).is_ok());
+    for (name, kind) in [
+        ("buck.toml", FileKind::Circuit),
+        ("cell.csv", FileKind::Cell),
+        ("distance.csv", FileKind::Cycle),
+        ("heated-cell.toml", FileKind::Scenario),
+        ("maccor.txt", FileKind::Cell),
+        ("profile.csv", FileKind::Profile),
+    ] {
+        let found = voltstep::read::check::parse(name, &seed(&format!("check/{name}")), 60.0);
+        assert_eq!(found.unwrap().kind, kind, "{name}");
+    }
 }

@@ -94,8 +94,8 @@ pub const LONG: &[Part] = &[
 
 /// What each fuzz target gets \[s\], and the variable that says otherwise.
 const FUZZ_S: (&str, &str) = ("VOLTSTEP_FUZZ_S", "60");
-const FUZZ_TARGETS: [&str; 8] =
-    ["cycle", "trip", "vehicle", "battery", "cell", "netlist", "step", "circuit"];
+const FUZZ_TARGETS: [&str; 9] =
+    ["cycle", "trip", "vehicle", "battery", "cell", "netlist", "check", "step", "circuit"];
 
 fn miri() -> Result<()> {
     let packages = ON_TARGET.iter().flat_map(|package| ["-p", package]);

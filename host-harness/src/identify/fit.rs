@@ -309,7 +309,10 @@ pub(super) fn non_negative(
         let ridge = if i == j { RIDGE } else { 0.0 };
         matrix[(free[i], free[j])] * unit[i] * unit[j] + ridge
     });
-    let factor = Cholesky::new(scaled).context("the equations have no solution")?;
+    let factor = Cholesky::new(scaled).context(
+        "the measurements do not tell every parameter: add a slow discharge of a full cell or a drive \
+         cycle without gaps",
+    )?;
     let right = DVector::from_fn(n, |i, _| goal[free[i]] * unit[i]);
     let right = factor.l_dirty().solve_lower_triangular(&right).context("no solution")?;
     let lower = factor.l();
