@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 use voltstep::simulate::columns::{columns, measured};
 use voltstep::simulate::mode::Mode;
-use voltstep::simulate::progress::{Progress, Unseen};
+use voltstep::simulate::progress::Unseen;
 use voltstep::simulate::replay::{self, Options, Replay};
 
 use crate::arrays::give;
@@ -66,8 +66,9 @@ impl Sweep {
 }
 
 fn options(dt_s: f64, mode: &str, ledger: bool) -> PyResult<Options> {
-    if !(dt_s > 0.0 && dt_s.is_finite()) {
-        return Err(PyValueError::new_err(format!("dt_s must be above 0, found {dt_s}")));
+    // The range of the command's --dt-ms.
+    if !(1e-7..=1.0).contains(&dt_s) {
+        return Err(PyValueError::new_err(format!("dt_s must lie in 1e-7..1, not {dt_s}")));
     }
     let known = [Mode::Vehicle, Mode::Battery];
     let mode = known.into_iter().find(|known| known.name() == mode).ok_or_else(|| {
@@ -165,10 +166,12 @@ pub fn simulate_many(
         };
         let done = AtomicUsize::new(0);
         let one = |(number, vehicle)| {
+            // An error ends the others, unwinding would not.
+            teller.go_on()?;
             let row = replay::once(vehicle, drive.clone(), options, &Unseen)
                 .and_then(|replay| figures(&replay));
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-            teller.at(done, vehicles.len(), "");
+            teller.tell(done, vehicles.len());
             match row {
                 Ok(row) => Ok(Ok(row)),
                 Err(error) if keep_errors => Ok(Err(format!("{error:#}"))),

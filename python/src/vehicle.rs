@@ -7,9 +7,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 use toml::{Table, Value};
-use voltstep::read::battery::{self as batteries, BatteryFile};
+use voltstep::read::battery::{self as batteries, BatteryFile, parse as parse_battery};
 use voltstep::read::error::InputError;
-use voltstep::read::vehicle as vehicles;
+use voltstep::read::vehicle::{self as vehicles, parse as parse_vehicle};
 
 use crate::arrays::Numbers;
 use crate::parameters::{set, to_dict, to_table, to_toml};
@@ -59,7 +59,7 @@ pub struct Vehicle {
     /// Where a battery's file is looked for, and what messages name.
     file: String,
     text: String,
-    pub vehicle: vehicles::Vehicle,
+    pub model: vehicles::Vehicle,
 }
 
 /// A battery with parameters over state of charge and temperature; they are sound.
@@ -67,16 +67,16 @@ pub struct Vehicle {
 pub struct Battery {
     file: String,
     text: String,
-    pub battery: BatteryFile,
+    pub model: BatteryFile,
 }
 
 /// What vehicles and batteries have in common for Python.
 macro_rules! parameter_set {
-    ($Set:ident, $field:ident, $of_text:ident) => {
+    ($Set:ident, $parse:ident) => {
         impl $Set {
             pub fn of(file: &str, text: String) -> Result<Self, InputError> {
-                let $field = $of_text(file, text.as_bytes())?;
-                Ok(Self { file: file.to_owned(), text, $field })
+                let model = $parse(file, text.as_bytes())?;
+                Ok(Self { file: file.to_owned(), text, model })
             }
 
             fn of_dict(file: &str, text: String) -> PyResult<Self> {
@@ -85,17 +85,15 @@ macro_rules! parameter_set {
         }
     };
 }
-use batteries::parse as parse_battery;
-use vehicles::parse as parse_vehicle;
-parameter_set!(Vehicle, vehicle, parse_vehicle);
-parameter_set!(Battery, battery, parse_battery);
+parameter_set!(Vehicle, parse_vehicle);
+parameter_set!(Battery, parse_battery);
 
 #[pymethods]
 impl Vehicle {
     /// Its name.
     #[getter]
     fn name(&self) -> &str {
-        &self.vehicle.name
+        &self.model.name
     }
 
     /// A copy of the parameters, laid out and named as in a TOML file.
@@ -144,11 +142,11 @@ impl Vehicle {
     }
 
     fn __repr__(&self) -> String {
-        format!("<voltstep.Vehicle {}: {}>", self.vehicle.name, self.vehicle.description)
+        format!("<voltstep.Vehicle {}: {}>", self.model.name, self.model.description)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().vehicle == self.vehicle)
+        other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (&str, &str))> {
@@ -162,7 +160,7 @@ impl Battery {
     /// Its name.
     #[getter]
     fn name(&self) -> &str {
-        &self.battery.name
+        &self.model.name
     }
 
     /// A copy of the parameters, laid out and named as in a TOML file.
@@ -182,11 +180,11 @@ impl Battery {
     }
 
     fn __repr__(&self) -> String {
-        format!("<voltstep.Battery {}: {}>", self.battery.name, self.battery.description)
+        format!("<voltstep.Battery {}: {}>", self.model.name, self.model.description)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().battery == self.battery)
+        other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (&str, &str))> {
@@ -231,15 +229,15 @@ pub fn battery_of_text(file: &str, text: String) -> PyResult<Battery> {
 /// A vehicle, or what makes one.
 pub fn of_any(given: &Bound<'_, PyAny>) -> PyResult<vehicles::Vehicle> {
     match given.cast::<Vehicle>() {
-        Ok(vehicle) => Ok(vehicle.get().vehicle.clone()),
-        Err(_) => Ok(vehicle(given)?.vehicle),
+        Ok(vehicle) => Ok(vehicle.get().model.clone()),
+        Err(_) => Ok(vehicle(given)?.model),
     }
 }
 
 /// A battery, or what makes one.
 pub fn battery_of_any(given: &Bound<'_, PyAny>) -> PyResult<BatteryFile> {
     match given.cast::<Battery>() {
-        Ok(battery) => Ok(battery.get().battery.clone()),
-        Err(_) => Ok(battery(given)?.battery),
+        Ok(battery) => Ok(battery.get().model.clone()),
+        Err(_) => Ok(battery(given)?.model),
     }
 }

@@ -30,26 +30,35 @@ pub struct Teller {
 struct Stopped;
 
 impl Teller {
-    /// Whether the work is to end.
-    pub fn is_stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
+    /// Fails where the work is to end.
+    pub fn go_on(&self) -> anyhow::Result<()> {
+        anyhow::ensure!(!self.stopped.load(Ordering::Relaxed), "interrupted");
+        Ok(())
     }
 
-    /// As [`Progress::at`], for work that can end by an error.
+    /// So much is done.
+    pub fn tell(&self, done: usize, total: usize) {
+        self.say(Message::At(done, total));
+    }
+
+    /// What is being done; fails where the work is to end.
     pub fn stage(&self, what: &str) -> anyhow::Result<()> {
-        anyhow::ensure!(!self.is_stopped(), "interrupted");
-        let _ = self.told.send(Message::Stage(what.to_owned()));
-        Ok(())
+        self.say(Message::Stage(what.to_owned()));
+        self.go_on()
+    }
+
+    fn say(&self, message: Message) {
+        // Whoever listened may have gone.
+        let _ = self.told.send(message);
     }
 }
 
 impl Progress for Teller {
     fn at(&self, done: usize, total: usize, _what: &str) {
-        if self.is_stopped() {
+        if self.go_on().is_err() {
             resume_unwind(Box::new(Stopped));
         }
-        // Whoever listened may have gone.
-        let _ = self.told.send(Message::At(done, total));
+        self.tell(done, total);
     }
 }
 

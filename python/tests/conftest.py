@@ -27,7 +27,7 @@ def refusal():
     def run(*arguments):
         done = subprocess.run([command, *map(str, arguments)], capture_output=True, text=True)
         assert done.returncode == 2, done
-        return done.stderr.strip().removeprefix("error: ")
+        return done.stderr.strip().removeprefix("voltstep: ")
 
     return run
 

@@ -2,8 +2,8 @@
 
 import json
 import os
+import shutil
 import subprocess
-import tomllib
 
 import numpy as np
 import pandas as pd
@@ -74,23 +74,52 @@ def test_what_an_estimator_refuses(change, words):
     assert str(refused.value) == words
 
 
+@pytest.fixture(scope="module")
+def trips(tmp_path_factory):
+    """Three drives of one car, well over half an hour each."""
+    folder = tmp_path_factory.mktemp("trips")
+    for number, names in enumerate([["wltc3b"] * 3, ["us06"] * 5, ["hwfet", "udds"] * 2]):
+        speed_m_s = np.concatenate([np.interp(
+            np.arange(0, column["time_s"][-1]), column["time_s"], column["reference_m_s"])
+            for column in (voltstep.simulate(name, ledger=False).columns for name in names)])
+        time_s = np.arange(len(speed_m_s), dtype=float)
+        trace = pd.DataFrame(voltstep.simulate((time_s, speed_m_s), ledger=False).columns)[::10]
+        pd.DataFrame({
+            "Time [s]": trace.time_s, "Velocity [km/h]": 3.6 * trace.speed_m_s, "Elevation [m]": 500,
+            "Motor Torque [Nm]": trace.motor_torque_nm, "Battery Voltage [V]": trace.battery_voltage_v,
+            "Battery Current [A]": -trace.battery_current_a, "Battery Temperature [°C]": 25,
+            "SoC [%]": 100 * trace.soc,
+        }).to_csv(folder / f"trip{number}.csv", sep=";", index=False)
+    return folder
+
+
 def test_a_vehicle_is_identified_as_by_the_command(trip, tmp_path):
-    out = tmp_path / "identified.toml"
-    command("identify", "vehicle", trip, "--out", out)
+    trips, out = tmp_path / "trips", tmp_path / "identified.toml"
+    trips.mkdir()
+    for name in "abc":
+        shutil.copy(trip, trips / f"{name}.csv")
+    command("identify", "vehicle", trips, "--out", out)
     stages = []
-    found, notes = voltstep.identify_vehicle(trip, progress=stages.append)
-    theirs, ours = tomllib.loads(out.read_text()), tomllib.loads(found.to_toml())
-    for file in (theirs, ours):
-        file["fit"].pop("command", None)
-        file.pop("source", None)
-    assert ours == theirs and "reading" in stages and isinstance(notes, list)
+    found, notes = voltstep.identify_vehicle(trips, progress=stages.append)
+    assert same_but_for_the_command(out.read_text(), found.to_toml())
+    assert "reading" in stages and notes
 
 
-def test_a_battery_is_identified_as_by_the_command(trip, tmp_path):
+def test_a_battery_is_identified_as_by_the_command(trips, tmp_path):
     out = tmp_path / "battery.toml"
-    command("identify", "battery", trip, "--capacity-ah", 60, "--out", out)
-    found, _ = voltstep.identify_battery([trip], capacity_ah=60)
-    theirs, ours = tomllib.loads(out.read_text()), tomllib.loads(found.to_toml())
-    for file in (theirs, ours):
-        file.pop("command")
-    assert ours == theirs
+    command("identify", "battery", trips, "--capacity-ah", 60, "--folds", 3, "--out", out)
+    found, _ = voltstep.identify_battery([trips], capacity_ah=60, folds=3)
+    assert same_but_for_the_command(out.read_text(), found.to_toml())
+    assert found.parameters["battery"]["capacity_ah"] == 60
+
+
+def same_but_for_the_command(theirs, ours):
+    """The files are the same in every line that does not say how they came about."""
+    kept = [[line for line in text.splitlines() if "voltstep" not in line] for text in (theirs, ours)]
+    return kept[0] == kept[1] and len(kept[0]) > 20
+
+
+def test_what_tells_no_battery(trip, refusal):
+    with pytest.raises(ValueError) as refused:
+        voltstep.identify_battery(trip, capacity_ah=60)
+    assert str(refused.value) == refusal("identify", "battery", trip, "--capacity-ah", 60)

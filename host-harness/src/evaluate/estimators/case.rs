@@ -86,6 +86,7 @@ impl Case {
     }
 
     /// The start that an estimator is told, and how well it is said to be known.
+    #[must_use]
     pub fn start(&self, samples: &Samples) -> (f64, f64) {
         let truth = samples.soc.iter().copied().find(|s| s.is_finite()).unwrap_or(0.5);
         let told = truth + self.initial_soc_error;
