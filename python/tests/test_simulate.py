@@ -97,7 +97,7 @@ def test_refuses_in_the_words_of_the_command(refusal, tmp_path):
         with pytest.raises(ValueError) as refused:
             call()
         assert str(refused.value) == refusal(*arguments)
-    with pytest.raises(ValueError, match="dt_s must lie in 1e-7..1, not nan"):
+    with pytest.raises(ValueError, match="dt_s must lie in 1e-7..1, not NaN"):
         voltstep.simulate("udds", dt_s=float("nan"))
     assert str(path) + ":" in refusal("replay", "udds", "--vehicle", path)
 
