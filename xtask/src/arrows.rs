@@ -59,6 +59,7 @@ const CRATES: &[Crate] = &[
     },
     Crate { sources: "capi/src", layers: &[] },
     Crate { sources: "web/src", layers: &[] },
+    Crate { sources: "python/src", layers: &[] },
     Crate { sources: "xtask/src", layers: &[] },
 ];
 

@@ -30,10 +30,12 @@ mod mutants;
 mod parts;
 mod paths;
 mod picture;
+mod python;
 mod qemu;
 mod report;
 
 mod shell;
+mod venv;
 mod web;
 
 use std::process::ExitCode;

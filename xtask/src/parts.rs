@@ -57,6 +57,11 @@ pub const PARTS: &[Part] = &[
         crate::capi::capi,
     ),
     part("dbc", "cantools reads the CAN messages as the code writes them", crate::dbc::dbc),
+    part(
+        "python",
+        "the Python wheel builds; it gives the bits of the command",
+        crate::python::python,
+    ),
     part("counts", "what each step costs on target is no more than before", crate::counts::counts),
     part(
         "generated",

@@ -1,52 +1,14 @@
 //! The trace of a replay as CSV.
 
 use crate::read::trip::Trip;
-use crate::simulate::run::{Run, TraceRow};
-
-/// A column of the trace: its name and how to read it.
-type Column = (&'static str, fn(&TraceRow) -> f64);
-
-const COLUMNS: [Column; 18] = [
-    ("time_s", |r| r.time_s),
-    ("reference_m_s", |r| f64::from(r.reference_m_s)),
-    ("speed_m_s", |r| f64::from(r.speed_m_s)),
-    ("distance_m", |r| f64::from(r.distance_m)),
-    ("slope_sin", |r| f64::from(r.slope_sin)),
-    ("duty", |r| f64::from(r.duty)),
-    ("motor_torque_nm", |r| f64::from(r.motor_torque_nm)),
-    ("brake_n", |r| f64::from(r.brake_n)),
-    ("motor_current_a", |r| f64::from(r.motor_current_a)),
-    ("battery_current_a", |r| f64::from(r.battery_current_a)),
-    ("battery_voltage_v", |r| f64::from(r.battery_voltage_v)),
-    ("soc", |r| f64::from(r.soc)),
-    // Lowest and highest of every step since the row before; the first row has no step.
-    ("motor_torque_min_nm", |r| f64::from(r.extremes.motor_torque_nm.0)),
-    ("motor_torque_max_nm", |r| f64::from(r.extremes.motor_torque_nm.1)),
-    ("battery_current_min_a", |r| f64::from(r.extremes.battery_current_a.0)),
-    ("battery_current_max_a", |r| f64::from(r.extremes.battery_current_a.1)),
-    ("battery_voltage_min_v", |r| f64::from(r.extremes.battery_voltage_v.0)),
-    ("battery_voltage_max_v", |r| f64::from(r.extremes.battery_voltage_v.1)),
-];
-
-/// Those of a vehicle that has temperatures.
-const WARM: [Column; 2] = [
-    ("machine_c", |r| r.temperatures.map_or(f64::NAN, |t| f64::from(t.machine_c))),
-    ("inverter_c", |r| r.temperatures.map_or(f64::NAN, |t| f64::from(t.inverter_c))),
-];
+use crate::simulate::columns::{columns, measured};
+use crate::simulate::run::Run;
 
 /// The trace as CSV; on trips with the measured values beside ours. A missing one is empty.
 pub fn csv(run: &Run, trip: Option<&Trip>) -> anyhow::Result<Vec<u8>> {
-    let measured: Vec<(&str, &[f64])> = trip.map_or_else(Vec::new, |t| {
-        vec![
-            ("measured_motor_torque_nm", t.motor_torque_nm.as_slice()),
-            ("measured_battery_current_a", &t.battery_a),
-            ("measured_battery_voltage_v", &t.battery_v),
-            ("measured_soc", &t.soc),
-        ]
-    });
+    let measured = trip.map(measured).unwrap_or_default();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let warm = if run.totals.temperatures.is_some() { &WARM[..] } else { &[] };
-    let columns: Vec<_> = COLUMNS.iter().chain(warm).collect();
+    let columns: Vec<_> = columns(run).collect();
     writer.write_record(columns.iter().map(|c| c.0).chain(measured.iter().map(|m| m.0)))?;
     for (i, row) in run.trace.iter().enumerate() {
         // Six significant digits at least, and no noise of the conversion from f32.

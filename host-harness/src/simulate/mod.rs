@@ -3,6 +3,7 @@
 //! synthetic data, noise, statistics over many figures.
 
 pub mod circuit;
+pub mod columns;
 pub mod comparison;
 pub mod figures;
 pub mod mode;

@@ -60,11 +60,11 @@ pub fn replay(
 ) -> anyhow::Result<Replay> {
     let alone = options.mode == Mode::Battery || matches!(drive, Drive::Profile(_));
     if alone || options.dt_s <= DEFAULT_STEP_S {
-        return replayed(vehicle, drive, options, progress);
+        return once(vehicle, drive, options, progress);
     }
-    let mut replay = replayed(vehicle, drive.clone(), options, progress)?;
+    let mut replay = once(vehicle, drive.clone(), options, progress)?;
     let fine = Options { dt_s: DEFAULT_STEP_S, ledger: false, ..options };
-    let error = StepError::between(&replay, &replayed(vehicle, drive, fine, progress)?);
+    let error = StepError::between(&replay, &once(vehicle, drive, fine, progress)?);
     let said = format!(
         "in steps of {} ms the energy at the battery is off by {:+.1} %, the speed by {:.2} m/s RMS, \
          against steps of {} ms",
@@ -104,7 +104,11 @@ impl StepError {
     }
 }
 
-fn replayed(
+/// As [`replay`], without the comparison of a long step.
+///
+/// # Errors
+/// As [`replay`].
+pub fn once(
     vehicle: &Vehicle,
     drive: Drive,
     options: Options,

@@ -86,7 +86,8 @@ impl Case {
     }
 
     /// The start that an estimator is told, and how well it is said to be known.
-    fn start(&self, samples: &Samples) -> (f64, f64) {
+    #[must_use]
+    pub fn start(&self, samples: &Samples) -> (f64, f64) {
         let truth = samples.soc.iter().copied().find(|s| s.is_finite()).unwrap_or(0.5);
         let told = truth + self.initial_soc_error;
         let told = if (0.0..=1.0).contains(&told) { told } else { truth - self.initial_soc_error };
@@ -119,6 +120,8 @@ impl Case {
 /// An estimate after each sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
+    /// Estimated, 0..1.
+    pub soc: f64,
     /// Estimated less measured; not a number where the truth is not known.
     pub error: f64,
     /// The estimator's standard deviation.
@@ -129,17 +132,22 @@ pub struct Point {
     pub contradicted: bool,
 }
 
-/// Runs the Kalman filter over samples with what a case makes wrong.
+/// Runs the Kalman filter over samples with what a case makes wrong, from a state of charge and its
+/// standard deviation.
 ///
 /// # Errors
 /// Parameters that the filter refuses.
 #[expect(clippy::cast_possible_truncation, reason = "estimators compute in f32")]
-pub fn ekf(battery: &BatteryFile, samples: &Samples, case: &Case) -> anyhow::Result<Vec<Point>> {
+pub fn ekf(
+    battery: &BatteryFile,
+    samples: &Samples,
+    case: &Case,
+    (soc, sd): (f64, f64),
+) -> anyhow::Result<Vec<Point>> {
     let believed = case.believed(&battery.battery);
     let nominal_v = believed.open_circuit.at(0.5);
     let filter =
         Ekf::new(EkfParams::typical(believed, nominal_v), Dt::from_s(samples.dt_s as f32)?)?;
-    let (soc, sd) = case.start(samples);
     let mut state =
         filter.start(soc as f32, sd as f32, first(&samples.temperature_c, 25.0) as f32)?;
     if samples.starts_rested {
@@ -164,7 +172,8 @@ pub fn ekf(battery: &BatteryFile, samples: &Samples, case: &Case) -> anyhow::Res
         .collect())
 }
 
-/// Counts the charge of samples with what a case makes wrong; the voltage is asked after a rest.
+/// Counts the charge of samples with what a case makes wrong, from a state of charge and its standard
+/// deviation; the voltage is asked after a rest.
 ///
 /// # Errors
 /// Parameters that the counter refuses.
@@ -173,6 +182,7 @@ pub fn coulomb(
     battery: &BatteryFile,
     samples: &Samples,
     case: &Case,
+    (soc, sd): (f64, f64),
 ) -> anyhow::Result<Vec<Point>> {
     let believed = case.believed(&battery.battery);
     let known = Uncertainty::typical(believed.open_circuit.at(0.5), believed.capacity_ah);
@@ -191,7 +201,6 @@ pub fn coulomb(
         },
         Dt::from_s(samples.dt_s as f32)?,
     )?;
-    let (soc, sd) = case.start(samples);
     let mut state = CoulombState::known(soc as f32, sd as f32);
     let mut noise = Noise::new(case, f64::from(battery.battery.capacity_ah));
     let per_review = ((1.0 / samples.dt_s).round() as usize).max(1);
@@ -213,7 +222,7 @@ fn point(battery: &BatteryFile, samples: &Samples, i: usize, (soc, sd): (f64, f6
     let truth = samples.soc[i];
     let range = &battery.battery.identified;
     let identified = range.holds(truth as f32, samples.temperature_c[i] as f32);
-    Point { error: soc - truth, sd, identified, contradicted: false }
+    Point { soc, error: soc - truth, sd, identified, contradicted: false }
 }
 
 fn first(values: &[f64], otherwise: f64) -> f64 {

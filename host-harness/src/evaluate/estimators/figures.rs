@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     fn point(error: f64) -> Point {
-        Point { error, sd: 0.01, identified: error < 0.04, contradicted: error < 0.0 }
+        Point { soc: error, error, sd: 0.01, identified: error < 0.04, contradicted: error < 0.0 }
     }
 
     #[test]

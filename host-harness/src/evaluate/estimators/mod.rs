@@ -2,6 +2,7 @@
 
 mod case;
 mod figures;
+pub mod follow;
 pub mod honesty;
 mod report;
 mod samples;
@@ -182,8 +183,8 @@ fn one(
         .enumerate()
         .map(|(number, case)| {
             let points = match options.estimator {
-                Estimator::Ekf => case::ekf(battery, &samples, case)?,
-                Estimator::Coulomb => case::coulomb(battery, &samples, case)?,
+                Estimator::Ekf => case::ekf(battery, &samples, case, case.start(&samples))?,
+                Estimator::Coulomb => case::coulomb(battery, &samples, case, case.start(&samples))?,
             };
             let figures = Figures::of(&points, samples.dt_s)
                 .with_context(|| format!("{}: no state of charge to compare with", samples.name))?;
@@ -209,10 +210,7 @@ fn traced(samples: &samples::Samples, points: &[case::Point]) -> EstimatorTrace 
     let time_s = (0..points.len()).map(|i| i as f64 * samples.dt_s).collect();
     EstimatorTrace {
         time_s,
-        soc: [
-            samples.soc.clone(),
-            points.iter().zip(&samples.soc).map(|(p, truth)| truth + p.error).collect(),
-        ],
+        soc: [samples.soc.clone(), points.iter().map(|p| p.soc).collect()],
         sd: points.iter().map(|p| p.sd).collect(),
         current_a: samples.current_a.clone(),
         voltage_v: samples.voltage_v.clone(),
