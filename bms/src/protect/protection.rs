@@ -317,9 +317,9 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
                 }
             }
         }
-        let runaway = state.tripped.both(TOO_HOT) == TOO_HOT;
         let (mut trip, mut forbidden) = (Trip::None, !state.latched.is_empty());
         if !state.tripped.is_empty() {
+            let runaway = state.tripped.both(TOO_HOT) == TOO_HOT;
             for id in state.tripped.iter() {
                 let row = self.table.row(id);
                 if !self.in_effect(row, fast.current, signals.mains_closed && runaway) {
@@ -388,7 +388,8 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         let sensor = &sheet.sensing.cell_v;
         let oldest_s = sensor.oldest_s(sheet.tick_s);
         let (from, to) = (CELLS * turn / turns, CELLS * (turn + 1) / turns);
-        for (index, reading) in now.cell_v.iter().enumerate().take(to).skip(from) {
+        let readings = now.cell_v.get(from..to).unwrap_or_default();
+        for (index, reading) in (from..to).zip(readings) {
             let taken = taken(reading, sensor, oldest_s);
             state.cells.take(taken);
             state.cell_moves.take(index, taken.value());
@@ -397,7 +398,8 @@ impl<'t, const CELLS: usize, const SENSORS: usize> Protection<'t, CELLS, SENSORS
         let sensor = &sheet.sensing.temperature_c;
         let oldest_s = sensor.oldest_s(sheet.tick_s);
         let (from, to) = (SENSORS * turn / turns, SENSORS * (turn + 1) / turns);
-        for (index, reading) in now.temperature_c.iter().enumerate().take(to).skip(from) {
+        let readings = now.temperature_c.get(from..to).unwrap_or_default();
+        for (index, reading) in (from..to).zip(readings) {
             let taken = taken(reading, sensor, oldest_s);
             state.temperatures.take(taken);
             state.temperature_moves.take(index, taken.value());

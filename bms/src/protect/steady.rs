@@ -31,7 +31,7 @@ pub(super) struct SteadyLimits {
     follow: u16,
     /// So many sweeps later cells have moved by more than the current.
     agree: u16,
-    /// A cell that moves more than this against the others moves alone \[V\].
+    /// A cell that moves more than this against others that stand still moves alone \[V\].
     alone_v: Real,
     /// What a change of the current may be off \[A\].
     off_a: Real,
@@ -52,6 +52,8 @@ pub(super) struct Steady<const CELLS: usize> {
     /// The mean cell of the sweep before, and what it has come from, as each cell is followed \[V\].
     mean_v: Real,
     from_v: Real,
+    /// A cell that moves more than this against the others moves alone \[V\].
+    alone_v: Real,
     /// Current and mean cell when it last was steady, and how many sweeps ago.
     last: [Real; 2],
     ago: u16,
@@ -101,6 +103,7 @@ impl<const CELLS: usize> Steady<CELLS> {
         sweeps: 0,
         mean_v: Real::NAN,
         from_v: Real::NAN,
+        alone_v: Real::NAN,
         last: [Real::NAN; 2],
         ago: 0,
         unexplained_a: 0.0,
@@ -120,7 +123,7 @@ impl<const CELLS: usize> Steady<CELLS> {
         let moved_v = now_v - *apart_v;
         if self.sweeps == limits.follow {
             *apart_v = now_v;
-        } else if moved_v.abs() > limits.alone_v + UNLIKE * (self.mean_v - self.from_v).abs() {
+        } else if moved_v.abs() > self.alone_v {
             self.moved = true;
         } else if sane(moved_v) {
             *apart_v += limits.alike_gain * moved_v;
@@ -164,6 +167,7 @@ impl<const CELLS: usize> Steady<CELLS> {
         } else {
             self.from_v = mean_v;
         }
+        self.alone_v = limits.alone_v + UNLIKE * (mean_v - self.from_v).abs();
         (self.mean_v, self.moved) = (mean_v, false);
     }
 

@@ -31,9 +31,9 @@ pub(super) struct WarmingLimits {
 pub(super) struct Warming<const SENSORS: usize> {
     #[cfg_attr(feature = "recorder", serde(with = "serde_big_array::BigArray"))]
     slow_c: [Real; SENSORS],
-    /// Of this sweep so far, the fastest up and down \[K/s\].
-    up_k_per_s: Real,
-    down_k_per_s: Real,
+    /// Of this sweep so far, the furthest up and down from what is slow \[K\].
+    up_k: Real,
+    down_k: Real,
     /// What the current of the last ten seconds explains, and what of it a sensor may still show \[K/s\].
     own_k_per_s: Real,
     shown_k_per_s: Real,
@@ -58,8 +58,8 @@ impl WarmingLimits {
 impl<const SENSORS: usize> Warming<SENSORS> {
     pub(super) const NEW: Self = Self {
         slow_c: [Real::NAN; SENSORS],
-        up_k_per_s: 0.0,
-        down_k_per_s: 0.0,
+        up_k: 0.0,
+        down_k: 0.0,
         own_k_per_s: 0.0,
         shown_k_per_s: 0.0,
         unexplained_k_per_s: 0.0,
@@ -73,8 +73,8 @@ impl<const SENSORS: usize> Warming<SENSORS> {
                 *slow_c = value_c;
             }
             let ahead_k = value_c - *slow_c;
-            self.up_k_per_s = max(ahead_k / RATE_S, self.up_k_per_s);
-            self.down_k_per_s = max(-ahead_k / RATE_S, self.down_k_per_s);
+            self.up_k = max(ahead_k, self.up_k);
+            self.down_k = max(-ahead_k, self.down_k);
             *slow_c += limits.rate_gain * ahead_k;
         }
     }
@@ -92,10 +92,10 @@ impl<const SENSORS: usize> Warming<SENSORS> {
         }
         let fading_k_per_s = (1.0 - limits.shown_gain) * self.shown_k_per_s;
         self.shown_k_per_s = max(self.own_k_per_s, fading_k_per_s);
-        self.unexplained_k_per_s = self.up_k_per_s - OWN * self.shown_k_per_s;
-        let falls = self.down_k_per_s > fall_k_per_s;
+        self.unexplained_k_per_s = self.up_k / RATE_S - OWN * self.shown_k_per_s;
+        let falls = self.down_k > RATE_S * fall_k_per_s;
         self.falls = if falls { self.falls + 1.0 } else { 0.0 };
-        (self.up_k_per_s, self.down_k_per_s) = (0.0, 0.0);
+        (self.up_k, self.down_k) = (0.0, 0.0);
     }
 
     /// A sensor has fallen faster than anything cools, for as long as a temperature is judged.
