@@ -20,6 +20,8 @@ const FOLDER: &str = "firmware-example";
 /// The least firmware, and what it says.
 const MINIMAL: (&str, &str) = ("minimal", "src/bin/minimal.out");
 
+/// What is built for a board.
+const BOARDS: [&str; 2] = ["board", "board_bms"];
 /// Switched circuits, on both sides.
 const CIRCUITS: &str = "circuits";
 /// The whole BMS of a pack, on both sides.
@@ -91,7 +93,7 @@ fn host() -> Result<String> {
     Ok(String::from(host.context("rustc names no host")?))
 }
 
-/// Formatting, lints, host tests, every binary, the sensor run, the board's build.
+/// Formatting, lints, host tests, every binary, the sensor run, what is built for a board.
 pub fn firmware() -> Result<()> {
     run(firmware_cargo().args(["fmt", "--all", "--", "--check"]))?;
     let host = host()?;
@@ -102,10 +104,12 @@ pub fn firmware() -> Result<()> {
     run(firmware_cargo()
         .args(["clippy", "-p", "voltstep-trace", "--all-targets", "--target", &host])
         .args(strict))?;
-    let board = ["--no-default-features", "--features", "board", "--bin", "board"];
-    run(firmware_cargo().arg("clippy").args(board).args(strict))?;
-    build(&board, &[])?;
-    board::check(&binary("board")?)?;
+    for name in BOARDS {
+        let board = ["--no-default-features", "--features", "board", "--bin", name];
+        run(firmware_cargo().arg("clippy").args(board).args(strict))?;
+        build(&board, &[])?;
+        board::check(&binary(name)?)?;
+    }
     run(firmware_cargo().args(["test", "--release", "-p", "voltstep-trace", "--target", &host]))?;
     minimal()?;
     run(firmware_cargo().args(["run", "--release", "--locked", "--bin", "sensor"]))

@@ -110,6 +110,12 @@ impl Hardware {
         self.contactors.map(|contactor| contactor.is_closed())
     }
 
+    /// What the contactors are told.
+    #[allow(dead_code, reason = "shown on a board")]
+    pub fn coils(&self) -> [bool; 3] {
+        self.pins
+    }
+
     pub fn set_pins(&mut self, pins: [bool; 3]) -> bool {
         self.pins = pins;
         true

@@ -1,4 +1,4 @@
-//! A drive in which a cell seems to rise, recorded until half a second after the contactors opened.
+//! A drive in which all cells seem to rise, recorded until half a second after the contactors opened.
 
 use voltstep_bms::contactor::{Coils, Feedback};
 use voltstep_bms::limit::Request;
@@ -10,7 +10,7 @@ use voltstep_bms::{Measurements, ParamError};
 use super::hardware::Hardware;
 use super::pack::BMS;
 
-/// The pack of the example with a reading that drifts, the sum of the cells unchanged.
+/// The pack of the example with a reference that drifts: every voltage is read too high alike.
 struct Drifting {
     hardware: Hardware,
     by_v: f32,
@@ -23,10 +23,12 @@ impl Board<14, 4> for Drifting {
     fn measure(&mut self, into: &mut Measurements<14, 4>) {
         self.hardware.measure(into);
         if self.hardware.front_end_is_ready() {
-            for (index, cell_v) in into.cell_v.iter_mut().enumerate() {
-                cell_v.value += if index == 9 { self.by_v } else { -self.by_v / 13.0 };
+            for cell_v in &mut into.cell_v {
+                cell_v.value += self.by_v;
             }
         }
+        into.pack_v.value += 14.0 * self.by_v;
+        into.link_v.value += 14.0 * self.by_v;
     }
     fn feedback(&mut self) -> [Feedback; 3] {
         self.hardware.feedback()
@@ -41,7 +43,7 @@ impl Board<14, 4> for Drifting {
 
 /// Gives the bytes of the recording; whether there is one.
 pub fn drive(memory: &mut [u8], sink: impl FnMut(&[u8])) -> Result<bool, ParamError> {
-    let mut board = Drifting { hardware: Hardware::at(0.6)?, by_v: 0.0 };
+    let mut board = Drifting { hardware: Hardware::at(0.93)?, by_v: 0.0 };
     let mut state = BMS.start(None, None, 25.0)?;
     let mut recorder = Recorder::new(&BMS, memory)?;
     let mut since_trip = 0;
