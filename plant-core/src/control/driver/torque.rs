@@ -1,4 +1,4 @@
-//! From a speed reference to a torque and a brake force, see [`DriverParams::Torque`](super::DriverParams).
+//! From a speed reference to a torque and a brake force, see [`DriverParams::Torque`](super::DriverParams::Torque).
 
 use super::{DriverInput, DriverState, Wish};
 use crate::control::pid::{Pid, PidInput, PidParams};
@@ -44,7 +44,7 @@ pub struct TorqueDriverParams {
     pub current_rate_per_s: Real,
 }
 
-/// The driver of a real vehicle, see [`DriverParams::Torque`]: from speed to torque.
+/// The driver of a real vehicle, see [`DriverParams::Torque`](super::DriverParams::Torque): from speed to torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueDriver {
     params: TorqueDriverParams,
