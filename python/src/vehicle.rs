@@ -70,9 +70,9 @@ pub struct Battery {
     pub model: BatteryFile,
 }
 
-/// What vehicles and batteries have in common for Python.
+/// What vehicles and batteries have in common for Python, and what only one of them has.
 macro_rules! parameter_set {
-    ($Set:ident, $parse:ident) => {
+    ($Set:ident, $parse:ident, $of_text:literal, { $($more:tt)* }) => {
         impl $Set {
             pub fn of(file: &str, text: String) -> Result<Self, InputError> {
                 let model = $parse(file, text.as_bytes())?;
@@ -83,30 +83,55 @@ macro_rules! parameter_set {
                 Self::of(file, text).map_err(wrong_of_dict)
             }
         }
+
+        #[pymethods]
+        impl $Set {
+            /// Its name.
+            #[getter]
+            fn name(&self) -> &str {
+                &self.model.name
+            }
+
+            /// A copy of the parameters, laid out and named as in a TOML file.
+            #[getter]
+            fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+                to_dict(py, &table(&self.text)?)
+            }
+
+            /// A changed copy; keys are paths such as `body.mass_kg`, each with its unit.
+            fn replace(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
+                Self::of_dict(&self.file, changed(&self.text, changes)?)
+            }
+
+            $($more)*
+
+            /// The text of its file.
+            fn to_toml(&self) -> &str {
+                &self.text
+            }
+
+            fn __repr__(&self) -> String {
+                let (name, description) = (&self.model.name, &self.model.description);
+                format!(concat!("<voltstep.", stringify!($Set), " {}: {}>"), name, description)
+            }
+
+            fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+                other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
+            }
+
+            fn __reduce__<'py>(
+                &self,
+                py: Python<'py>,
+            ) -> PyResult<(Bound<'py, PyAny>, (&str, &str))> {
+                let module = py.import("voltstep._voltstep")?;
+                Ok((module.getattr($of_text)?, (&self.file, &self.text)))
+            }
+        }
     };
 }
-parameter_set!(Vehicle, parse_vehicle);
-parameter_set!(Battery, parse_battery);
 
-#[pymethods]
-impl Vehicle {
-    /// Its name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.model.name
-    }
-
-    /// A copy of the parameters, laid out and named as in a TOML file.
-    #[getter]
-    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        to_dict(py, &table(&self.text)?)
-    }
-
-    /// A changed copy; keys are paths such as `body.mass_kg`, each with its unit.
-    fn replace(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
-        Self::of_dict(&self.file, changed(&self.text, changes)?)
-    }
-
+parameter_set!(Battery, parse_battery, "battery_of_text", {});
+parameter_set!(Vehicle, parse_vehicle, "vehicle_of_text", {
     /// A changed copy for each row of the arrays, which are of one length; made on all cores.
     fn variants(&self, py: Python<'_>, changes: &Bound<'_, PyDict>) -> PyResult<Vec<Self>> {
         let base = table(&self.text)?;
@@ -135,63 +160,7 @@ impl Vehicle {
                 .collect()
         })
     }
-
-    /// The text of its file.
-    fn to_toml(&self) -> &str {
-        &self.text
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<voltstep.Vehicle {}: {}>", self.model.name, self.model.description)
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (&str, &str))> {
-        let module = py.import("voltstep._voltstep")?;
-        Ok((module.getattr("vehicle_of_text")?, (&self.file, &self.text)))
-    }
-}
-
-#[pymethods]
-impl Battery {
-    /// Its name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.model.name
-    }
-
-    /// A copy of the parameters, laid out and named as in a TOML file.
-    #[getter]
-    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        to_dict(py, &table(&self.text)?)
-    }
-
-    /// A changed copy; keys are paths such as `body.mass_kg`, each with its unit.
-    fn replace(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
-        Self::of_dict(&self.file, changed(&self.text, changes)?)
-    }
-
-    /// The text of its file.
-    fn to_toml(&self) -> &str {
-        &self.text
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<voltstep.Battery {}: {}>", self.model.name, self.model.description)
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().model == self.model)
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (&str, &str))> {
-        let module = py.import("voltstep._voltstep")?;
-        Ok((module.getattr("battery_of_text")?, (&self.file, &self.text)))
-    }
-}
+});
 
 /// A vehicle by its name, from a file, or from a dictionary.
 #[pyfunction]

@@ -1,9 +1,11 @@
 //! The vehicles whose bits are golden, and what of them the page turns.
 
-use plant_core::battery::{BatteryParams, MappedBatteryParams, OverSoc};
+use plant_core::battery::{Battery, BatteryParams, MappedBatteryParams, OverSoc};
+use plant_core::control::driver::TorqueDriver;
 use plant_core::machine::pmsm::PmsmParams;
 use plant_core::mechanics::body::RoadResistance;
 use plant_core::num::SocTable;
+use plant_core::powertrain::ledger::NoLedger;
 use plant_core::powertrain::{DriveParams, DrivesParams, HeatedDriveParams};
 use plant_core::presets::{
     BMW_I3_60AH, BMW_I3_60AH_CONSTANT, BMW_I3_60AH_PMSM, BMW_I3_60AH_THERMAL, EPOWERTRAIN_UDDS,
@@ -182,40 +184,10 @@ fn turned<P: Cells, Q: Warm + Copy>(
     Ok(vehicle)
 }
 
-impl Car for Vehicle {
-    fn sheet(&self) -> Sheet {
-        sheet(self)
-    }
-
-    fn set_out(
-        &self,
-        knobs: Knobs,
-        cycle: &'static Cycle,
-        dt: Dt,
-    ) -> Result<Box<dyn Going>, ParamError> {
-        Run::begin(Rig::new(&turned(self, knobs)?, dt)?, cycle, dt)
-    }
-}
-
-impl Car for Vehicle<MappedBatteryParams> {
-    fn sheet(&self) -> Sheet {
-        sheet(self)
-    }
-
-    fn set_out(
-        &self,
-        knobs: Knobs,
-        cycle: &'static Cycle,
-        dt: Dt,
-    ) -> Result<Box<dyn Going>, ParamError> {
-        Run::begin(Rig::mapped(&turned(self, knobs)?, dt)?, cycle, dt)
-    }
-}
-
-/// Vehicles of other drives: their driver asks for a torque.
-macro_rules! composed {
-    ($($drives:ty),+ $(,)?) => {$(
-        impl Car for Vehicle<BatteryParams, $drives> {
+/// Cars, and how the rig of one is built that was turned.
+macro_rules! cars {
+    ($($vehicle:ty: |$turned:ident, $dt:ident| $rig:expr;)+) => {$(
+        impl Car for $vehicle {
             fn sheet(&self) -> Sheet {
                 sheet(self)
             }
@@ -224,14 +196,28 @@ macro_rules! composed {
                 &self,
                 knobs: Knobs,
                 cycle: &'static Cycle,
-                dt: Dt,
+                $dt: Dt,
             ) -> Result<Box<dyn Going>, ParamError> {
-                let vehicle = turned(self, knobs)?;
-                let axles = vehicle.powertrain.drives.axles(vehicle.powertrain.wheel, dt)?;
-                Run::begin(Rig::composed(&vehicle, axles, dt)?, cycle, dt)
+                let $turned = &turned(self, knobs)?;
+                Run::begin($rig?, cycle, $dt)
             }
         }
     )+};
 }
 
-composed!(DriveParams<PmsmParams>, HeatedDriveParams, (DriveParams<PmsmParams>, DriveParams));
+cars! {
+    Vehicle: |turned, dt| Rig::new(turned, dt);
+    Vehicle<MappedBatteryParams>: |turned, dt| Rig::mapped(turned, dt);
+    Vehicle<BatteryParams, DriveParams<PmsmParams>>: |turned, dt| composed(turned, dt);
+    Vehicle<BatteryParams, HeatedDriveParams>: |turned, dt| composed(turned, dt);
+    Vehicle<BatteryParams, (DriveParams<PmsmParams>, DriveParams)>: |turned, dt| composed(turned, dt);
+}
+
+/// A vehicle of other drives: its driver asks for a torque.
+fn composed<D: DrivesParams>(
+    vehicle: &Vehicle<BatteryParams, D>,
+    dt: Dt,
+) -> Result<Rig<NoLedger, Battery, D::Drives, TorqueDriver>, ParamError> {
+    let axles = vehicle.powertrain.drives.axles(vehicle.powertrain.wheel, dt)?;
+    Rig::composed(vehicle, axles, dt)
+}
