@@ -182,7 +182,19 @@ pub(crate) type DrivePlaces = [MaybeUninit<VoltstepDriveOutputs>; VOLTSTEP_DRIVE
 pub(crate) trait Told: Drives {
     /// Without a driver: the command for a duty or a torque, of which what is not a number is not
     /// given; gates off where none is.
-    fn asked(&self, duty: f32, torque_nm: f32) -> Result<Self::Command, VoltstepStatus>;
+    #[inline(always)]
+    fn asked(&self, duty: f32, torque_nm: f32) -> Result<Self::Command, VoltstepStatus> {
+        match (duty.is_nan(), torque_nm.is_nan()) {
+            (true, true) => Ok(Self::Command::default()),
+            (true, false) => Ok(self.command(torque_nm)),
+            (false, true) => Self::by_duty(duty),
+            (false, false) => Err(VoltstepStatus::DutyNotTaken),
+        }
+    }
+    /// The command for a duty, of drives that take one.
+    fn by_duty(_duty: f32) -> Result<Self::Command, VoltstepStatus> {
+        Err(VoltstepStatus::DutyNotTaken)
+    }
     /// What each says of a step, into the next place.
     fn say(output: &Self::Output, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>);
     /// What each remembers, into the next place.
@@ -191,9 +203,9 @@ pub(crate) trait Told: Drives {
 
 /// One drive.
 pub(crate) trait Single: Drives {
-    /// The command for a duty; gates off where it is not a number.
-    fn by_duty(duty: f32) -> Result<Self::Command, VoltstepStatus> {
-        if duty.is_nan() { Ok(Self::Command::default()) } else { Err(VoltstepStatus::DutyNotTaken) }
+    /// The command for a duty, of a drive that takes one.
+    fn of_duty(_duty: f32) -> Result<Self::Command, VoltstepStatus> {
+        Err(VoltstepStatus::DutyNotTaken)
     }
     /// What it says of a step.
     fn said(output: &Self::Output) -> VoltstepDriveOutputs;
@@ -203,12 +215,8 @@ pub(crate) trait Single: Drives {
 
 impl<D: Single> Told for D {
     #[inline(always)]
-    fn asked(&self, duty: f32, torque_nm: f32) -> Result<Self::Command, VoltstepStatus> {
-        match (duty.is_nan(), torque_nm.is_nan()) {
-            (_, true) => Self::by_duty(duty),
-            (true, false) => Ok(self.command(torque_nm)),
-            (false, false) => Err(VoltstepStatus::DutyNotTaken),
-        }
+    fn by_duty(duty: f32) -> Result<Self::Command, VoltstepStatus> {
+        Self::of_duty(duty)
     }
 
     #[inline(always)]
@@ -223,14 +231,6 @@ impl<D: Single> Told for D {
 
 #[cfg(feature = "drives")]
 impl<A: Told, B: Told> Told for (A, B) {
-    fn asked(&self, duty: f32, torque_nm: f32) -> Result<Self::Command, VoltstepStatus> {
-        match (duty.is_nan(), torque_nm.is_nan()) {
-            (true, true) => Ok(Self::Command::default()),
-            (true, false) => Ok(self.command(torque_nm)),
-            (false, _) => Err(VoltstepStatus::DutyNotTaken),
-        }
-    }
-
     fn say(output: &Self::Output, places: &mut IterMut<'_, MaybeUninit<VoltstepDriveOutputs>>) {
         A::say(&output.0, places);
         B::say(&output.1, places);
@@ -244,8 +244,8 @@ impl<A: Told, B: Told> Told for (A, B) {
 
 impl Single for Drive {
     #[inline(always)]
-    fn by_duty(duty: f32) -> Result<Gates, VoltstepStatus> {
-        Ok(if duty.is_nan() { Gates::Off } else { Gates::On(duty) })
+    fn of_duty(duty: f32) -> Result<Gates, VoltstepStatus> {
+        Ok(Gates::On(duty))
     }
 
     #[inline(always)]

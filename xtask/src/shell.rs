@@ -14,6 +14,7 @@ pub const TOOLS: &[(&str, &str)] = &[
     ("arm-none-eabi-size", "gcc-arm-none-eabi"),
     ("ngspice", "ngspice"),
     ("chromium", "chromium"),
+    ("python3", "python3-venv"),
     ("cc", "gcc"),
 ];
 

@@ -5,7 +5,7 @@
 //! positive when discharging. Cyclers' own names are known, too.
 
 use crate::read::error::{InputError, stem};
-use crate::read::table::{Column, Needed, Sheet, has};
+use crate::read::table::{Column, Needed, Sheet, Table, has};
 use crate::read::unit::Dimension;
 
 /// Samples further apart than this are a gap: what happened in between was not logged \[s\] …
@@ -203,11 +203,20 @@ pub(crate) const COLUMNS: [Column; 8] = {
 /// [`InputError`] with line and column: a missing column, fewer than two rows, a row with another
 /// number of fields than the header, what is no number or absurd, time that falls.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
-    let sheet = Sheet::open(file, bytes, |header| COLUMNS[..3].iter().all(|c| has(c, header)))?;
-    let columns = &COLUMNS;
-    let time = sheet.bind(columns)?[0].map(|bound| sheet.header[bound.place].to_lowercase());
+    let sheet = open(file, bytes)?;
+    let table = sheet.read(&COLUMNS)?;
+    of_table(&sheet, table)
+}
+
+/// A test's table before it is read.
+pub(crate) fn open<'a>(file: &'a str, bytes: &'a [u8]) -> Result<Sheet<'a>, InputError> {
+    Sheet::open(file, bytes, |header| COLUMNS[..3].iter().all(|c| has(c, header)))
+}
+
+/// A test from its table as read.
+pub(crate) fn of_table(sheet: &Sheet<'_>, table: Table) -> Result<CellRecord, InputError> {
+    let time = sheet.bind(&COLUMNS)?[0].map(|bound| sheet.header[bound.place].to_lowercase());
     let charging_positive = time.is_some_and(|name| name.starts_with("test"));
-    let table = sheet.read(columns)?;
     let mut notes = table.notes;
     let mut found = table.columns.into_iter();
     let mut next = || found.next().flatten();
@@ -253,7 +262,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<CellRecord, InputError> {
         *c = last_c;
     }
     Ok(CellRecord {
-        name: stem(file),
+        name: stem(sheet.file),
         time_s,
         current_a,
         voltage_v,

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use voltstep_bms::manage::recorder::Recording;
 
 use crate::read::cell::{self, CellRecord, Kind};
 use crate::read::error::{self, InputError};
@@ -98,23 +99,37 @@ pub fn check(path: &Path, capacity_ah: f64) -> anyhow::Result<Checked> {
 /// As [`check`].
 pub fn parse(file: &str, bytes: &[u8], capacity_ah: f64) -> anyhow::Result<Checked> {
     let kind = recognise(file, bytes, &FileKind::ALL)?;
-    let (mut found, mut columns) = (Findings::default(), None);
+    let mut found = Findings::default();
     match kind {
         FileKind::Cycle => {
-            found.notes = cycle::parse(file, bytes)?.notes;
-            columns = Some(cycle::columns_of(&open(file, bytes)?.header).to_vec());
+            let sheet = cycle::open(file, bytes)?;
+            let columns = cycle::columns(&sheet.header);
+            let (table, facts) = read(&sheet, &columns)?;
+            let cycle = cycle::of_table(&sheet, table)?;
+            let time_s: Vec<f64> = cycle.points.iter().map(|(t, _)| f64::from(*t)).collect();
+            found.table = Some(facts.over(&time_s));
+            found.notes = cycle.notes;
         }
         FileKind::Trip => {
-            found = Findings::of_trip(&trip::parse(file, bytes)?, capacity_ah);
-            columns = Some(trip::COLUMNS.to_vec());
+            let sheet = trip::open(file, bytes)?;
+            let (table, facts) = read(&sheet, &trip::COLUMNS)?;
+            let trip = trip::of_table(&sheet, table);
+            found = Findings::of_trip(&trip, capacity_ah);
+            found.table = Some(facts.over(&trip.time_s));
         }
         FileKind::Cell => {
-            found = Findings::of_cell(&cell::parse(file, bytes)?);
-            columns = Some(cell::COLUMNS.to_vec());
+            let sheet = cell::open(file, bytes)?;
+            let (table, facts) = read(&sheet, &cell::COLUMNS)?;
+            let record = cell::of_table(&sheet, table)?;
+            found = Findings::of_cell(&record);
+            found.table = Some(facts.over(&record.time_s));
         }
         FileKind::Profile => {
-            found.notes = profile::parse(file, bytes)?.notes;
-            columns = Some(profile::COLUMNS.to_vec());
+            let sheet = profile::open(file, bytes)?;
+            let (table, facts) = read(&sheet, &profile::COLUMNS)?;
+            let profile = profile::of_table(&sheet, table)?;
+            found.table = Some(facts.over(&profile.time_s));
+            found.notes = profile.notes;
         }
         FileKind::Vehicle => {
             let vehicle = vehicle::parse(file, bytes)?;
@@ -133,24 +148,30 @@ pub fn parse(file: &str, bytes: &[u8], capacity_ah: f64) -> anyhow::Result<Check
         FileKind::Scenario => {
             scenario::parse(file, bytes)?;
         }
-        FileKind::Recording => {}
+        FileKind::Recording => {
+            let (cells, sensors) = Recording::read(bytes)
+                .map_err(|error| InputError::of_file(file, error.to_string()))?
+                .size();
+            found.about = vec![format!("a pack of {cells} cells with {sensors} temperatures")];
+        }
     }
-    let table = columns.map(|columns| facts(&open(file, bytes)?, &columns)).transpose()?;
+    let Findings { table, about, notes, doubts } = found;
     Ok(Checked {
         commands: commands(kind, file),
         file: file.to_owned(),
         kind,
         known_by: kind.mark(),
         table,
-        about: found.about,
-        notes: found.notes,
-        doubts: found.doubts,
+        about,
+        notes,
+        doubts,
     })
 }
 
 /// What a reader says of a file.
 #[derive(Default)]
 struct Findings {
+    table: Option<TableFacts>,
     about: Vec<String>,
     notes: Vec<String>,
     doubts: Vec<String>,
@@ -181,19 +202,16 @@ impl Findings {
             let why = if why.is_empty() { why } else { format!(" ({why})") };
             notes.push(format!("by the {spanned_ah:.3} A·h that it spans, {kind}{why}"));
         }
-        Self { notes, doubts: record.counter_fault().into_iter().collect(), about: Vec::new() }
+        Self { notes, doubts: record.counter_fault().into_iter().collect(), ..Self::default() }
     }
 }
 
-/// The table, its header found as the recogniser finds it.
-fn open<'a>(file: &'a str, bytes: &'a [u8]) -> Result<Sheet<'a>, InputError> {
-    Sheet::open(file, bytes, super::recognise::is_header)
-}
-
-fn facts(sheet: &Sheet<'_>, columns: &[Column]) -> Result<TableFacts, InputError> {
+/// A table as read, and what its columns hold.
+fn read(sheet: &Sheet<'_>, columns: &[Column]) -> Result<(Table, Columns), InputError> {
     let bound = sheet.bind(columns)?;
-    let Table { columns: values, unused, .. } = sheet.read(columns)?;
-    let seen = columns.iter().zip(&bound).zip(&values).filter_map(|((column, bound), values)| {
+    let table = sheet.read(columns)?;
+    let seen = columns.iter().zip(&bound).zip(&table.columns);
+    let seen = seen.filter_map(|((column, bound), values)| {
         let (bound, values) = (bound.as_ref()?, values.as_ref()?);
         let finite = || values.iter().copied().filter(|x| x.is_finite());
         let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -208,19 +226,32 @@ fn facts(sheet: &Sheet<'_>, columns: &[Column]) -> Result<TableFacts, InputError
             resolution: changes.filter(|change| *change > 1e-9).fold(f64::INFINITY, f64::min),
         })
     });
-    let time_s = values.first().and_then(Option::as_ref).map_or(&[][..], Vec::as_slice);
-    let steps = cell::steps(time_s);
-    let gap_s = cell::gap_s(time_s);
-    let gaps = time_s.windows(2).filter(|t| t[1] - t[0] > gap_s);
-    Ok(TableFacts {
-        columns: seen.collect(),
-        samples: time_s.len(),
-        duration_s: time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first),
-        step_s: [0, steps.len() / 2, steps.len().saturating_sub(1)]
-            .map(|at| steps.get(at).copied().unwrap_or(f64::NAN)),
-        gaps: gaps.map(|t| Gap { at_s: t[0], for_s: t[1] - t[0] }).collect(),
-        unused,
-    })
+    let columns = Columns { columns: seen.collect(), unused: table.unused.clone() };
+    Ok((table, columns))
+}
+
+/// What the columns of a table hold.
+struct Columns {
+    columns: Vec<ColumnFacts>,
+    unused: Vec<String>,
+}
+
+impl Columns {
+    /// With the times of the samples \[s\].
+    fn over(self, time_s: &[f64]) -> TableFacts {
+        let steps = cell::steps(time_s);
+        let gap_s = cell::gap_s(time_s);
+        let gaps = time_s.windows(2).filter(|t| t[1] - t[0] > gap_s);
+        TableFacts {
+            columns: self.columns,
+            samples: time_s.len(),
+            duration_s: time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first),
+            step_s: [0, steps.len() / 2, steps.len().saturating_sub(1)]
+                .map(|at| steps.get(at).copied().unwrap_or(f64::NAN)),
+            gaps: gaps.map(|t| Gap { at_s: t[0], for_s: t[1] - t[0] }).collect(),
+            unused: self.unused,
+        }
+    }
 }
 
 fn commands(kind: FileKind, file: &str) -> Vec<String> {
@@ -270,6 +301,19 @@ mod tests {
         assert_eq!((grade.missing, grade.largest), (1, 0.015));
         assert_eq!(found.commands, ["voltstep replay 'a b.csv'"]);
         assert!(found.doubts.is_empty());
+    }
+
+    #[test]
+    fn a_cycle_over_distance_has_the_times_of_its_speeds() {
+        let table = checked("x", "distance_m,speed_m_s\n0,0\n10,2\n30,2\n").table.unwrap();
+        assert_eq!((table.duration_s, table.step_s), (20.0, [10.0; 3]));
+        assert_eq!((table.columns[0].unit, table.columns[0].largest), ("m", 30.0));
+    }
+
+    #[test]
+    fn what_only_begins_like_a_recording_is_refused() {
+        let refused = parse("x", b"VSRC\x01\0and so on", 60.0).unwrap_err().to_string();
+        assert!(refused.starts_with("x: "), "{refused}");
     }
 
     #[test]

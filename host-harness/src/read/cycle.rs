@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::read::error::{InputError, listed, shown, stem};
-use crate::read::table::{Column, Needed, Sheet, has};
+use crate::read::table::{Column, Needed, Sheet, Table, has};
 use crate::read::unit::Dimension;
 
 /// No cycle asks for more than this \[m/s\].
@@ -144,14 +144,32 @@ pub fn by_name(name: &str) -> Option<Cycle> {
 ///
 /// # Errors
 /// [`InputError`] says what is wrong and where.
-#[expect(clippy::cast_possible_truncation, reason = "cycles are in single precision")]
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Cycle, InputError> {
+    let sheet = open(file, bytes)?;
+    let table = sheet.read(&columns(&sheet.header))?;
+    of_table(&sheet, table)
+}
+
+/// The columns of a file with this header.
+pub(crate) fn columns(header: &[String]) -> [Column; 4] {
+    let mut columns = COLUMNS;
+    if is_of_distance(header) {
+        columns[0] = DISTANCE;
+    }
+    columns
+}
+
+/// Whether the speed stands over distance: where there is no time.
+fn is_of_distance(header: &[String]) -> bool {
+    !has(&COLUMNS[0], header) && has(&DISTANCE, header)
+}
+
+/// A cycle's table before it is read.
+pub(crate) fn open<'a>(file: &'a str, bytes: &'a [u8]) -> Result<Sheet<'a>, InputError> {
     let is_header = |header: &[String]| COLUMNS[..2].iter().all(|c| has(c, header));
     let sheet = Sheet::open(file, bytes, is_header)?;
-    let columns = columns_of(&sheet.header);
-    let of_distance = columns[0].dimension == Dimension::Length;
     // A speed in small letters says its unit; a bare `Speed` may be anything.
-    if let Some(place) = sheet.bind(&columns)?[1].map(|bound| bound.place)
+    if let Some(place) = sheet.bind(&columns(&sheet.header))?[1].map(|bound| bound.place)
         && is_bare(&sheet.header[place])
     {
         let message = format!(
@@ -160,7 +178,14 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Cycle, InputError> {
         );
         return Err(sheet.header_error(place, message));
     }
-    let table = sheet.read(&columns)?;
+    Ok(sheet)
+}
+
+/// A cycle from its table as read.
+#[expect(clippy::cast_possible_truncation, reason = "cycles are in single precision")]
+pub(crate) fn of_table(sheet: &Sheet<'_>, table: Table) -> Result<Cycle, InputError> {
+    let file = sheet.file;
+    let of_distance = is_of_distance(&sheet.header);
     let mut notes = table.notes;
     if !table.unused.is_empty() {
         notes.push(format!("not used: {}", listed(table.unused.iter().map(String::as_str))));
@@ -213,15 +238,6 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Cycle, InputError> {
         elevation_m: filled(elevation_m, true),
         notes,
     })
-}
-
-/// The columns of a file with this header: over time, or over distance where it has no time.
-pub(crate) fn columns_of(header: &[String]) -> [Column; 4] {
-    let mut columns = COLUMNS;
-    if !has(&COLUMNS[0], header) && has(&DISTANCE, header) {
-        columns[0] = DISTANCE;
-    }
-    columns
 }
 
 /// A header's name without any unit.

@@ -1,7 +1,7 @@
 //! A load of a battery alone: current or power over time, positive when discharging.
 
 use crate::read::error::{InputError, listed, stem};
-use crate::read::table::{Column, Needed, Sheet, has};
+use crate::read::table::{Column, Needed, Sheet, Table, has};
 use crate::read::unit::Dimension;
 
 /// What a profile may have.
@@ -52,8 +52,18 @@ pub enum Demand {
 /// # Errors
 /// [`InputError`] says what is wrong and where.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Profile, InputError> {
-    let sheet = Sheet::open(file, bytes, |header| has(&COLUMNS[0], header) && is_load(header))?;
+    let sheet = open(file, bytes)?;
     let table = sheet.read(&COLUMNS)?;
+    of_table(&sheet, table)
+}
+
+/// A profile's table before it is read.
+pub(crate) fn open<'a>(file: &'a str, bytes: &'a [u8]) -> Result<Sheet<'a>, InputError> {
+    Sheet::open(file, bytes, |header| has(&COLUMNS[0], header) && is_load(header))
+}
+
+/// A profile from its table as read.
+pub(crate) fn of_table(sheet: &Sheet<'_>, table: Table) -> Result<Profile, InputError> {
     let mut found = table.columns.into_iter();
     let mut next = || found.next().flatten();
     let (time_s, current_a, power_w) = (next().unwrap_or_default(), next(), next());
@@ -78,11 +88,11 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Profile, InputError> {
     };
     if let Some(hole) = values.iter().position(|x| x.is_nan()) {
         let message = format!("sample {} is empty; expected a number in each", hole + 1);
-        return Err(InputError::of_file(file, message));
+        return Err(InputError::of_file(sheet.file, message));
     }
     let rows = time_s.len();
     let temperature_c = next().unwrap_or_else(|| vec![f64::NAN; rows]);
-    Ok(Profile { name: stem(file), time_s, demand, temperature_c, notes })
+    Ok(Profile { name: stem(sheet.file), time_s, demand, temperature_c, notes })
 }
 
 /// Whether a header has what loads a battery.

@@ -1,6 +1,7 @@
 //! What a file is: the one place that decides it, by what stands at its head.
 
 use serde::Serialize;
+use voltstep_bms::manage::recorder::MAGIC;
 
 use crate::read::error::{self, InputError};
 use crate::read::table::{Sheet, has};
@@ -91,7 +92,7 @@ pub fn recognise(file: &str, bytes: &[u8], wanted: &[FileKind]) -> Result<FileKi
         column: Some(1),
         ..InputError::of_file(file, message)
     };
-    if bytes.starts_with(RECORDING) && wanted.contains(&FileKind::Recording) {
+    if bytes.starts_with(&MAGIC) && wanted.contains(&FileKind::Recording) {
         return Ok(FileKind::Recording);
     }
     let mut lines = bytes.split(|byte| *byte == b'\n').enumerate();
@@ -121,8 +122,6 @@ fn is_blank(line: &[u8]) -> bool {
     matches!(line.trim_ascii().first(), None | Some(b'#'))
 }
 
-/// How a recording begins.
-const RECORDING: &[u8] = b"VSRC";
 /// What a circuit's and a scenario's file has.
 const CIRCUIT_ONLY: &str = "run]";
 const SCENARIO_ONLY: &str = "start]";
@@ -147,7 +146,7 @@ fn of_table(file: &str, bytes: &[u8]) -> Result<Option<FileKind>, InputError> {
 }
 
 /// Whether a line is the header of any of the tables.
-pub(crate) fn is_header(header: &[String]) -> bool {
+fn is_header(header: &[String]) -> bool {
     timed(header)
         && (has(&cycle::COLUMNS[1], header) || electric(header) || profile::is_load(header))
 }

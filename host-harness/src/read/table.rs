@@ -63,7 +63,7 @@ const LISTED: usize = 12;
 
 /// A file whose header was found.
 pub(crate) struct Sheet<'a> {
-    file: &'a str,
+    pub(crate) file: &'a str,
     text: Cow<'a, str>,
     separator: u8,
     /// Where the header starts.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::simulate::comparison::Deviation;
 use crate::simulate::figures::{Figures, J_PER_KWH};
 use crate::simulate::mode::Replayed;
-use crate::simulate::run::{Run, Totals};
+use crate::simulate::run::Run;
 
 /// Above this share of the throughput the step's own dissipation is worth a warning.
 pub const NUMERICAL_WARNING: f64 = 0.01;
@@ -163,7 +163,7 @@ impl Summary {
             ),
             speed_error_rms_m_s: drives.then(|| f64::sqrt(totals.speed_error_squares / steps)),
             speed_error_max_m_s: drives.then(|| f64::from(totals.speed_error_max_m_s)),
-            limited_steps: totals.limited_steps,
+            limited_steps: totals.limited.any(),
             drive_temperatures: totals.temperatures.map(Hottest::from),
             refused_charge_ah: (!drives).then(|| totals.refused_charge_c / 3600.0),
             energy: run.energy.map(|report| {
@@ -181,19 +181,12 @@ impl Summary {
 /// Which limits acted, and for how long, in words.
 #[expect(clippy::cast_precision_loss, reason = "counts below 2^53")]
 fn limits(run: &Run) -> Vec<String> {
-    let Totals {
-        limited_steps: any,
-        discharge_limited_steps: out,
-        charge_limited_steps: back,
-        current_limited_steps: current,
-        ..
-    } = run.totals;
-    let duty = any.saturating_sub(out + back + current);
+    let limited = run.totals.limited;
     [
-        (out, "the battery's limit of discharging"),
-        (back, "the battery's limit of charging"),
-        (current, "the current limit of a drive"),
-        (duty, "the limit of the duty"),
+        (limited.discharge, "the battery's limit of discharging"),
+        (limited.charge, "the battery's limit of charging"),
+        (limited.current, "the current limit of a drive"),
+        (limited.duty, "the limit of the duty"),
     ]
     .into_iter()
     .filter(|(steps, _)| *steps > 0)
@@ -255,7 +248,7 @@ fn numerical_share(report: &EnergyReport) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::run::TraceRow;
+    use crate::simulate::run::{LimitedSteps, Totals, TraceRow};
 
     fn run(rows: impl Iterator<Item = TraceRow>) -> Run {
         let totals = Totals { battery_energy_j: 10.0, ..Totals::default() };
@@ -292,10 +285,7 @@ mod tests {
     fn says_which_limit_acted_and_whether_it_was_exceeded() {
         let mut run = run(std::iter::once(TraceRow { soc: 0.5, ..TraceRow::default() }));
         run.totals = Totals {
-            limited_steps: 100,
-            discharge_limited_steps: 40,
-            charge_limited_steps: 30,
-            current_limited_steps: 10,
+            limited: LimitedSteps { discharge: 40, charge: 30, current: 10, duty: 20 },
             limit_exceeded_a: 0.04,
             ..run.totals
         };

@@ -47,7 +47,8 @@ use crate::Reading;
 use crate::contactor::Feedback;
 use crate::protect::Faults;
 
-const MAGIC: [u8; 4] = *b"VSRC";
+/// How a recording begins.
+pub const MAGIC: [u8; 4] = *b"VSRC";
 /// Version of the layout. A recording is read by the version of this crate that wrote it: a checkpoint
 /// is the state as it is.
 const VERSION: u8 = 1;

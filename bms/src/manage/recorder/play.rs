@@ -1,5 +1,7 @@
 //! What runs a recording again.
 
+use core::fmt;
+
 use plant_core::Real;
 
 use super::eye::{self, Eye, real};
@@ -26,6 +28,23 @@ pub enum RecordingError {
     /// Of a pack with other numbers of cells or sensors, or written by another version of this crate.
     OfAnother,
 }
+
+impl fmt::Display for RecordingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown => f.write_str("not a recording of a BMS"),
+            Self::Version(version) => {
+                write!(f, "a recording of version {version}, not {VERSION}")
+            }
+            Self::Corrupted => f.write_str("damaged: it is cut short, or its checksum is wrong"),
+            Self::OfAnother => {
+                f.write_str("made by another version of voltstep-bms, or of a pack of another size")
+            }
+        }
+    }
+}
+
+impl core::error::Error for RecordingError {}
 
 /// A recording as read.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 
-use super::{Case, Estimator, case, samples};
+use super::{Case, Estimator, samples};
 use crate::read::battery::BatteryFile;
 use crate::read::cell::CellRecord;
 use crate::read::input::Measurement;
@@ -58,11 +58,7 @@ pub fn follow(
     let measured = Measurement::Cell(CellRecord { discharged_ah: Vec::new(), ..record });
     let mut samples = samples::sampled(&measured, 1.0 / rate_hz, current_delay_s, capacity_ah)?;
     samples.starts_rested = rested;
-    let run = match estimator {
-        Estimator::Ekf => case::ekf,
-        Estimator::Coulomb => case::coulomb,
-    };
-    let points = run(battery, &samples, &Case::RIGHT, (soc, soc_sd))?;
+    let points = estimator.points(battery, &samples, &Case::RIGHT, (soc, soc_sd))?;
     #[expect(clippy::cast_precision_loss, reason = "a count")]
     let time_s = (1..=points.len()).map(|k| start_s + k as f64 * samples.dt_s).collect();
     Ok(Followed {

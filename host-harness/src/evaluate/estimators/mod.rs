@@ -38,6 +38,22 @@ pub enum Estimator {
     Ekf,
 }
 
+impl Estimator {
+    /// What it says after each sample, from a state of charge and its standard deviation.
+    fn points(
+        self,
+        battery: &BatteryFile,
+        samples: &samples::Samples,
+        case: &Case,
+        start: (f64, f64),
+    ) -> anyhow::Result<Vec<case::Point>> {
+        match self {
+            Self::Ekf => case::ekf(battery, samples, case, start),
+            Self::Coulomb => case::coulomb(battery, samples, case, start),
+        }
+    }
+}
+
 /// What runs, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -182,10 +198,7 @@ fn one(
         .par_iter()
         .enumerate()
         .map(|(number, case)| {
-            let points = match options.estimator {
-                Estimator::Ekf => case::ekf(battery, &samples, case, case.start(&samples))?,
-                Estimator::Coulomb => case::coulomb(battery, &samples, case, case.start(&samples))?,
-            };
+            let points = options.estimator.points(battery, &samples, case, case.start(&samples))?;
             let figures = Figures::of(&points, samples.dt_s)
                 .with_context(|| format!("{}: no state of charge to compare with", samples.name))?;
             let soc = samples.soc.iter().copied().filter(|s| s.is_finite());

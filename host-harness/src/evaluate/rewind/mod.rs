@@ -65,8 +65,8 @@ pub enum What {
 #[derive(Debug, thiserror::Error)]
 pub enum RewindError {
     /// The bytes are none.
-    #[error("{}", why(.0))]
-    Recording(RecordingError),
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// A pack of a size that the command was not built for.
     #[error(
         "a pack of {0} cells and {1} temperatures; this command knows {sizes}, others are run by \
@@ -80,25 +80,6 @@ pub enum RewindError {
     /// What is to be changed.
     #[error(transparent)]
     Change(#[from] ChangeError),
-}
-
-fn why(error: &RecordingError) -> String {
-    match error {
-        RecordingError::Unknown => "not a recording of a BMS".to_owned(),
-        RecordingError::Version(version) => format!("a recording of version {version}, not 1"),
-        RecordingError::Corrupted => {
-            "damaged: it is cut short, or its checksum is wrong".to_owned()
-        }
-        RecordingError::OfAnother => {
-            "made by another version of voltstep-bms, or of a pack of another size".to_owned()
-        }
-    }
-}
-
-impl From<RecordingError> for RewindError {
-    fn from(error: RecordingError) -> Self {
-        Self::Recording(error)
-    }
 }
 
 macro_rules! sizes {

@@ -11,8 +11,8 @@ mod screen;
 mod tests;
 
 pub(crate) use super::stamp::mean;
-pub(crate) use read::COLUMNS;
 pub use read::parse;
+pub(crate) use read::{COLUMNS, of_table, open};
 pub use screen::Screened;
 
 /// What a car recorded, a row per sample, in SI units.

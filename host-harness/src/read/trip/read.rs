@@ -2,7 +2,7 @@
 
 use super::Trip;
 use crate::read::error::{self, InputError};
-use crate::read::table::{Column, Needed, Sheet, has};
+use crate::read::table::{Column, Needed, Sheet, Table, has};
 use crate::read::unit::Dimension;
 
 /// What a trip may have, in the order of [`Trip`].
@@ -91,9 +91,18 @@ const AIRCON: usize = 9;
 /// with another number of fields than the header, text or NaN or infinity for a number, an empty
 /// field where every sample is needed, absurd values, and time that falls.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Trip, InputError> {
-    let sheet =
-        Sheet::open(file, bytes, |header| [0, 1, 4].iter().all(|k| has(&COLUMNS[*k], header)))?;
+    let sheet = open(file, bytes)?;
     let table = sheet.read(&COLUMNS)?;
+    Ok(of_table(&sheet, table))
+}
+
+/// A trip's table before it is read.
+pub(crate) fn open<'a>(file: &'a str, bytes: &'a [u8]) -> Result<Sheet<'a>, InputError> {
+    Sheet::open(file, bytes, |header| [0, 1, 4].iter().all(|k| has(&COLUMNS[*k], header)))
+}
+
+/// A trip from its table as read.
+pub(crate) fn of_table(sheet: &Sheet<'_>, table: Table) -> Trip {
     let mut notes = Vec::new();
     let rows = table.columns.iter().flatten().map(Vec::len).max().unwrap_or(0);
     let mut found = table.columns.into_iter().enumerate().map(|(k, found)| {
@@ -128,7 +137,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Trip, InputError> {
     let mut next = || found.next().unwrap_or_default();
     // In the order of the columns.
     let mut trip = Trip {
-        name: error::stem(file),
+        name: error::stem(sheet.file),
         time_s: next(),
         speed_m_s: next(),
         elevation_m: next(),
@@ -150,5 +159,5 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Trip, InputError> {
     trip.battery_a.iter_mut().for_each(|a| *a = -*a);
     notes.extend(table.notes);
     trip.notes = notes;
-    Ok(trip)
+    trip
 }

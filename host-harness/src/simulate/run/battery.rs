@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use plant_core::battery::{Battery, BatteryInput, MappedBattery, MappedBatteryInput, Pack};
 use plant_core::port::Source;
+use plant_core::powertrain::Limited;
 use plant_core::signal::sources::{AtEnd, TimeTable, TimeTableParams, TimeTableState};
 use plant_core::{Dt, num};
 
@@ -127,10 +128,10 @@ fn alone<B: Alone>(
             let asked_a = of.current_a(table.step(&mut clock, ()).value, battery.offer(&state).0);
             let (soc, terminal_v, current_a, refused_charge_c) = battery.fed(&mut state, asked_a);
             totals.battery_energy_j += f64::from(terminal_v * current_a) * dt_s;
-            let refused = refused_charge_c != 0.0;
-            totals.limited_steps += u64::from(refused);
-            totals.discharge_limited_steps += u64::from(refused && asked_a > 0.0);
-            totals.charge_limited_steps += u64::from(refused && asked_a < 0.0);
+            if refused_charge_c != 0.0 {
+                let limit = if asked_a > 0.0 { Limited::Discharge } else { Limited::Charge };
+                totals.limited.count(limit);
+            }
             totals.refused_charge_c += f64::from(refused_charge_c.abs());
             row.extremes.see(0.0, current_a, terminal_v);
             steps += 1;

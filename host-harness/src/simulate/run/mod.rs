@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use plant_core::machine::Temperatures;
 use plant_core::num;
+use plant_core::powertrain::Limited;
 use plant_core::powertrain::ledger::EnergyReport;
 
 use crate::simulate::progress::Progress;
@@ -106,13 +107,7 @@ pub struct Totals {
     /// Net energy at the battery's terminals \[J\].
     pub battery_energy_j: f64,
     /// Steps in which a limit changed the duty or refused current.
-    pub limited_steps: u64,
-    /// Of those, by the limit of discharging.
-    pub discharge_limited_steps: u64,
-    /// Of those, by the limit of charging.
-    pub charge_limited_steps: u64,
-    /// Of those, by the current limit of a drive.
-    pub current_limited_steps: u64,
+    pub limited: LimitedSteps,
     /// By how much the battery's current was beyond its limit all the same, at most \[A\].
     pub limit_exceeded_a: f32,
     /// Charge that the battery refused \[C\], without its sign (battery mode).
@@ -120,6 +115,39 @@ pub struct Totals {
     /// The highest temperatures of the drives, and the least that they left of a current limit; of a
     /// vehicle that has temperatures.
     pub temperatures: Option<Temperatures>,
+}
+
+/// In how many steps each limit acted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LimitedSteps {
+    /// The battery's limit of discharging.
+    pub discharge: u64,
+    /// The battery's limit of charging.
+    pub charge: u64,
+    /// The current limit of a drive.
+    pub current: u64,
+    /// The limit of the duty.
+    pub duty: u64,
+}
+
+impl LimitedSteps {
+    /// Counts a step.
+    #[inline]
+    pub const fn count(&mut self, limited: Limited) {
+        match limited {
+            Limited::No => {}
+            Limited::Discharge => self.discharge += 1,
+            Limited::Charge => self.charge += 1,
+            Limited::Current => self.current += 1,
+            Limited::Duty => self.duty += 1,
+        }
+    }
+
+    /// In how many any of them did.
+    #[must_use]
+    pub const fn any(self) -> u64 {
+        self.discharge + self.charge + self.current + self.duty
+    }
 }
 
 impl Default for Totals {
@@ -131,10 +159,7 @@ impl Default for Totals {
             battery_current_a: NOTHING,
             battery_voltage_min_v: f32::INFINITY,
             battery_energy_j: 0.0,
-            limited_steps: 0,
-            discharge_limited_steps: 0,
-            charge_limited_steps: 0,
-            current_limited_steps: 0,
+            limited: LimitedSteps::default(),
             limit_exceeded_a: 0.0,
             refused_charge_c: 0.0,
             temperatures: None,

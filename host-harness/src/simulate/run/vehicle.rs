@@ -10,7 +10,7 @@ use plant_core::control::driver::{
 use plant_core::mechanics::body::Road;
 use plant_core::powertrain::ledger::{Book, NoLedger};
 use plant_core::powertrain::{
-    Axles, Drives, Feedback, Limited, Powertrain, PowertrainInput, PowertrainState,
+    Axles, Drives, Feedback, Powertrain, PowertrainInput, PowertrainState,
 };
 use plant_core::{Dt, num};
 
@@ -261,10 +261,7 @@ impl<L: Book, S: Copy, E: Copy> Loop<L, S, E> {
             feedback = plant.seen_of(&out);
             energy_w += out.battery_v * out.battery_a;
             extremes.see(feedback.motor_nm, out.battery_a, out.battery_v);
-            totals.limited_steps += u64::from(feedback.limited);
-            totals.discharge_limited_steps += u64::from(out.limited == Limited::Discharge);
-            totals.charge_limited_steps += u64::from(out.limited == Limited::Charge);
-            totals.current_limited_steps += u64::from(out.limited == Limited::Current);
+            totals.limited.count(out.limited);
             totals.limit_exceeded_a = num::max(totals.limit_exceeded_a, out.limit_exceeded_a);
             sound &= !out.rejected;
             kept.speed_m_s = out.speed_m_s;
